@@ -1,0 +1,2 @@
+//! The scumble program.
+fn main() {}
