@@ -1,0 +1,131 @@
+//! Everything that can go wrong here, as values.
+
+use std::path::PathBuf;
+
+/// Which of the two images of a comparison is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// The image under test, the first argument.
+    Image,
+    /// What it is judged against, the second argument.
+    Reference,
+}
+
+impl std::fmt::Display for Role {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Role::Image => "image",
+            Role::Reference => "reference",
+        })
+    }
+}
+
+/// Why a metric, a reader or a writer gave no result.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MetricsError {
+    /// The two images of a comparison differ in size.
+    #[error("the sizes differ: the image is {}x{}, the reference {}x{}", image[0], image[1], reference[0], reference[1])]
+    SizeMismatch {
+        /// Width and height of the image under test.
+        image: [u32; 2],
+        /// Width and height of the reference.
+        reference: [u32; 2],
+    },
+    /// A NaN or an infinity, which would make any mean meaningless.
+    #[error(
+        "the {role} has {value} in channel {channel} at x {x}, y {y}, and {count} such values in all"
+    )]
+    NotFinite {
+        /// Which image.
+        role: Role,
+        /// Column of the first one, in reading order.
+        x: u32,
+        /// Row of the first one.
+        y: u32,
+        /// 0, 1, 2 for R, G, B.
+        channel: usize,
+        /// The value found.
+        value: f32,
+        /// How many values of the image are not finite.
+        count: usize,
+    },
+    /// An image without pixels.
+    #[error("the image is {width}x{height}: it has no pixels")]
+    Empty {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+    },
+    /// The number of values given is not width times height.
+    #[error("{width}x{height} pixels were promised, {found} were given")]
+    WrongLength {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+        /// How many pixels were given.
+        found: usize,
+    },
+    /// The metric needs a larger image.
+    #[error("{what} needs an image of at least {needed}x{needed}; this one is {width}x{height}")]
+    TooSmall {
+        /// What was to be computed.
+        what: &'static str,
+        /// The least width and height.
+        needed: u32,
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+    },
+    /// A relative error against a reference whose mean is not positive.
+    #[error("the mean of the reference is {mean}: there is nothing to be relative to")]
+    BlackReference {
+        /// The mean over pixels and channels.
+        mean: f64,
+    },
+    /// The image does not split into whole blocks.
+    #[error("{width}x{height} does not divide into blocks of {factor}x{factor}")]
+    NotDivisible {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+        /// Side of a block.
+        factor: u32,
+    },
+    /// A name that is none of [`crate::Metric::ALL`].
+    #[error("there is no metric '{name}'; there are mse, rmse, relmse, psnr, ssim")]
+    UnknownMetric {
+        /// The name given.
+        name: String,
+    },
+    /// A file whose extension is not one that can be read or written.
+    #[error("{path}: not an image file this program knows (known: {known})", path = path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+        /// The extensions known.
+        known: &'static str,
+    },
+    /// The operating system refused.
+    #[error("{path}: cannot {action}: {source}", path = path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// `read` or `write`.
+        action: &'static str,
+        /// What it said.
+        source: std::io::Error,
+    },
+    /// The file is damaged or holds no RGB image.
+    #[error("{path}: {message}", path = path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
+}

@@ -1,0 +1,183 @@
+//! What is written is read back, and bad files say what is wrong with them.
+
+use proptest::prelude::*;
+use scumble_metrics::{Image, linear_from_srgb, mse, read, write_exr, write_png};
+use std::path::Path;
+
+fn gradient(width: u32, height: u32) -> Image {
+    Image::from_fn(width, height, |x, y| {
+        [x as f32 * 0.37, y as f32 * -1.5e-3, 7.0e4]
+    })
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    entries
+        .map(|e| e.unwrap().file_name().into_string().unwrap())
+        .collect()
+}
+
+fn message(path: &Path) -> String {
+    let text = read(path).unwrap_err().to_string();
+    text.replace(&path.display().to_string(), "FILE")
+}
+
+#[test]
+fn exr_keeps_every_bit_and_leaves_nothing_beside() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    for size in [[1, 1], [33, 17], [64, 64]] {
+        let image = gradient(size[0], size[1]);
+        write_exr(&path, &image).unwrap();
+        assert_eq!(read(&path).unwrap(), image);
+    }
+    assert_eq!(names(folder.path()), ["a.exr"]);
+}
+
+#[test]
+fn exr_layers_and_channel_orders() {
+    use exr::prelude::{
+        AnyChannel, AnyChannels, Encoding, FlatSamples, Image as Exr, Layer, LayerAttributes,
+        WritableImage, f16,
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("layers.exr");
+    let channel = |name: &str, v: f32| {
+        let samples = match name {
+            "G" => FlatSamples::F32(vec![v; 2]),
+            _ => FlatSamples::F16(vec![f16::from_f32(v); 2]),
+        };
+        AnyChannel::new(name, samples)
+    };
+    let layer = |name: &str, channels: Vec<_>| {
+        let attributes = LayerAttributes::named(name);
+        let channels = AnyChannels::sort(channels.into_iter().collect());
+        Layer::new((2, 1), attributes, Encoding::UNCOMPRESSED, channels)
+    };
+    let depth = layer("depth", vec![channel("Z", 9.0)]);
+    let view = |p: &str| {
+        vec![
+            channel(&format!("{p}B"), 3.0),
+            channel(&format!("{p}R"), 1.0),
+        ]
+    };
+    let with_green = |p: &str| {
+        let mut channels = view(p);
+        channels.extend([
+            channel(&format!("{p}G"), 2.0),
+            channel(&format!("{p}A"), 0.5),
+        ]);
+        channels
+    };
+    for (layers, found) in [
+        (vec![depth.clone(), layer("beauty", with_green(""))], true),
+        (
+            vec![depth.clone(), layer("all", with_green("beauty."))],
+            true,
+        ),
+        (vec![depth, layer("all", view(""))], false),
+    ] {
+        let image = Exr::from_layers(exr::prelude::ImageAttributes::with_size((2, 1)), layers);
+        image.write().to_file(&path).unwrap();
+        if found {
+            assert_eq!(read(&path).unwrap().data, [[1.0, 2.0, 3.0]; 2]);
+        } else {
+            assert_eq!(message(&path), "FILE: no channels R, G, B; it has Z, B, R");
+        }
+    }
+}
+
+#[test]
+fn png_takes_display_values_and_gives_linear_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.png");
+    let image = Image::from_fn(3, 2, |x, y| [x as f32 / 2.0, y as f32 / 2.0, 1.5]);
+    write_png(&path, &image).unwrap();
+    let back = read(&path).unwrap();
+    for (linear, display) in back.data.iter().flatten().zip(image.data.iter().flatten()) {
+        let rounded = (display.clamp(0.0, 1.0) * 255.0).round() / 255.0;
+        // One ulp of f32 near 1: the reader divides by 255 in its own way.
+        assert!((linear - linear_from_srgb(rounded)).abs() < 2e-7);
+    }
+    // Back to display values, nothing is lost but the rounding to 8 bits, at most half a step.
+    let clamped = Image::from_fn(3, 2, |x, y| image.get(x, y).unwrap().map(|v| v.min(1.0)));
+    assert!(mse(&back.to_display(), &clamped).unwrap().sqrt() < 0.5 / 255.0);
+}
+
+#[test]
+fn hdr_is_read_as_linear() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.hdr");
+    let pixels = [image::Rgb([0.5, 2.0, 64.0]); 12];
+    let mut bytes = Vec::new();
+    image::codecs::hdr::HdrEncoder::new(&mut bytes)
+        .encode(&pixels, 4, 3)
+        .unwrap();
+    std::fs::write(&path, bytes).unwrap();
+    let image = read(&path).unwrap();
+    assert_eq!(image.size(), [4, 3]);
+    for (value, expected) in image.data[5].iter().zip([0.5, 2.0, 64.0]) {
+        // RGBE shares one exponent: 8 bits below the largest channel.
+        assert!((value - expected).abs() <= 64.0 / 256.0);
+    }
+}
+
+#[test]
+fn bad_files_say_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    assert!(message(&at("missing.exr")).starts_with("FILE: cannot read: "));
+    assert_eq!(
+        message(&at("a.jpg")),
+        "FILE: not an image file this program knows (known: .exr, .png, .hdr)"
+    );
+    write_exr(at("a.exr"), &gradient(40, 40)).unwrap();
+    let whole = std::fs::read(at("a.exr")).unwrap();
+    for length in [0, 3, 100, whole.len() / 2] {
+        std::fs::write(at("cut.exr"), &whole[..length]).unwrap();
+        assert!(
+            message(&at("cut.exr")).starts_with("FILE: "),
+            "{length} bytes"
+        );
+    }
+    std::fs::write(at("text.png"), "not a picture").unwrap();
+    assert!(message(&at("text.png")).starts_with("FILE: "));
+}
+
+#[test]
+fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.png");
+    std::fs::write(&path, "old").unwrap();
+    let nan = Image::from_fn(2, 2, |_, _| [f32::NAN; 3]);
+    assert!(write_png(&path, &nan).is_err());
+    assert_eq!(std::fs::read(&path).unwrap(), b"old");
+    let nowhere = folder.path().join("none").join("a.exr");
+    let text = write_exr(&nowhere, &gradient(2, 2))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        text.starts_with(&format!("{}: cannot write: ", nowhere.display())),
+        "{text}"
+    );
+    assert_eq!(names(folder.path()), ["a.png"]);
+}
+
+proptest! {
+    #[test]
+    fn any_finite_image_survives_exr(
+        width in 1_u32..20,
+        values in proptest::collection::vec(proptest::num::f32::NORMAL | proptest::num::f32::ZERO, 60),
+    ) {
+        let height = 20 / width;
+        let pixel = |x: u32, y: u32| {
+            let i = 3 * (y * width + x) as usize;
+            [values[i], values[i + 1], values[i + 2]]
+        };
+        let image = Image::from_fn(width, height, pixel);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        write_exr(&path, &image).unwrap();
+        prop_assert_eq!(read(&path).unwrap(), image);
+    }
+}
