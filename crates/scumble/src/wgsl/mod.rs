@@ -1,0 +1,38 @@
+//! WGSL text: includes and substitutions, with every error reported in the author's file, line and column.
+//!
+//! - `#include "scumble/conventions.wgsl"` on a line of its own pastes that module, each file once.
+//! - `{{name}}` is replaced by the value defined for `name`.
+//!
+//! Names are not mangled, so what a shader declares can be reflected by name.
+
+mod compose;
+mod error;
+mod modules;
+
+pub use compose::{Composed, Location, compose};
+pub use error::{ShaderError, ShaderLabel};
+pub use modules::Modules;
+
+/// The candidate most like `name`, when one is near enough to be meant.
+pub(crate) fn nearest<'a>(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    let mut best = None;
+    let mut best_score = 0.6;
+    for candidate in candidates {
+        let score = strsim::jaro_winkler(&name.to_lowercase(), &candidate.to_lowercase());
+        if score > best_score {
+            best_score = score;
+            best = Some(candidate);
+        }
+    }
+    best
+}
+
+/// `; did you mean …?`, or nothing.
+pub(crate) fn did_you_mean(nearest: Option<&str>) -> String {
+    nearest
+        .map(|n| format!("; did you mean `{n}`?"))
+        .unwrap_or_default()
+}
