@@ -1,1 +1,30 @@
-//! See README.md.
+#![doc = include_str!("../README.md")]
+
+mod compile;
+mod desc;
+mod encode;
+mod error;
+mod graph;
+mod handle;
+mod kernel;
+mod plan;
+mod pool;
+mod reflect;
+mod state;
+
+pub use compile::{Edge, Hazard};
+pub use desc::{
+    Debug, First, FirstBuffer, FrameParams, HistoryBuffer, HistoryTexture, Load, Size, TextureDesc,
+};
+pub use encode::Resources;
+pub use error::{Code, EncodeError, GraphError, GraphErrors, Site, Warning};
+pub use graph::{ComputeNode, ForeignNode, FrameGraph, HistoryInfo, RasterNode, Reset};
+pub use handle::{Buffer, Label, Subresources, Texture, View};
+pub use kernel::{ComputeKernel, KernelDesc, KernelError, RasterKernel, RasterKernelDesc};
+pub use plan::{Plan, Step, StepKind, Transition};
+pub use pool::{Memory, NodeTiming, Pool, ResourceMemory};
+pub use reflect::{
+    Binding, BindingAccess, BindingKind, Member, MemberType, Reflection, Sample, Scalar,
+    StructLayout, WgslError,
+};
+pub use state::{Mode, State};

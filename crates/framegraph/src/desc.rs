@@ -1,0 +1,146 @@
+//! What the caller says about resources and the frame.
+
+use crate::handle::{Buffer, Texture};
+
+/// What a frame is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameParams {
+    /// Width and height in texels that [`Size::Frame`] stands for.
+    pub size: [u32; 2],
+    /// The frame's number; the graph only repeats it in [`HistoryInfo`](crate::HistoryInfo) and in the plan.
+    pub frame: u64,
+}
+
+/// Width and height of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Size {
+    /// In texels.
+    Absolute([u32; 2]),
+    /// As the frame.
+    Frame,
+    /// One texel for each n x n pixels of the frame: ceil(frame / n).
+    PerTexels(u32),
+}
+
+impl Size {
+    /// The size in texels for a frame of size `frame`.
+    pub fn resolve(self, frame: [u32; 2]) -> [u32; 2] {
+        match self {
+            Size::Absolute(size) => size,
+            Size::Frame => frame,
+            Size::PerTexels(n) => frame.map(|x| if n == 0 { 0 } else { x.div_ceil(n) }),
+        }
+    }
+}
+
+/// A two-dimensional texture. Its usage is inferred from what the graph does with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TextureDesc {
+    /// Texel format.
+    pub format: wgpu::TextureFormat,
+    /// Width and height.
+    pub size: Size,
+    /// Number of mip levels, at least 1.
+    pub mips: u32,
+    /// Number of array layers, at least 1.
+    pub layers: u32,
+    /// Usage beyond what is inferred.
+    pub extra_usage: wgpu::TextureUsages,
+}
+
+impl TextureDesc {
+    /// One mip, one layer.
+    pub fn d2(format: wgpu::TextureFormat, size: Size) -> Self {
+        TextureDesc {
+            format,
+            size,
+            mips: 1,
+            layers: 1,
+            extra_usage: wgpu::TextureUsages::empty(),
+        }
+    }
+
+    /// The same with `mips` mip levels.
+    pub fn with_mips(self, mips: u32) -> Self {
+        TextureDesc { mips, ..self }
+    }
+
+    /// The same with `layers` array layers.
+    pub fn with_layers(self, layers: u32) -> Self {
+        TextureDesc { layers, ..self }
+    }
+
+    /// The same with more usage than is inferred.
+    pub fn with_usage(self, extra_usage: wgpu::TextureUsages) -> Self {
+        TextureDesc {
+            extra_usage,
+            ..self
+        }
+    }
+}
+
+/// What stands for a frame of a texture's history that does not exist: on the first frame, after a resize, after a reset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum First {
+    /// Every texel has this value.
+    Clear([f64; 4]),
+    /// There is none: `previous` is `None`, and the caller declares no reader.
+    Skip,
+    /// A copy of this texture of the same format and size.
+    Copy(Texture),
+}
+
+/// What stands for a frame of a buffer's history that does not exist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FirstBuffer {
+    /// Every 32-bit word has this value.
+    Fill(u32),
+    /// There is none: `previous` is `None`, and the caller declares no reader.
+    Skip,
+    /// A copy of this buffer of the same size.
+    Copy(Buffer),
+}
+
+/// A texture that is kept across frames.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HistoryTexture {
+    /// This frame's, not yet written.
+    pub current: Texture,
+    /// `previous[0]` is of one frame ago; `None` only with [`First::Skip`].
+    pub previous: Vec<Option<Texture>>,
+}
+
+/// A buffer that is kept across frames.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HistoryBuffer {
+    /// This frame's, not yet written.
+    pub current: Buffer,
+    /// `previous[0]` is of one frame ago; `None` only with [`FirstBuffer::Skip`].
+    pub previous: Vec<Option<Buffer>>,
+}
+
+/// What an attachment holds when its raster node begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Load<T = wgpu::Color> {
+    /// This value in every texel; what was there is not needed.
+    Clear(T),
+    /// What was there.
+    Load,
+}
+
+/// Levers for looking at a graph and for finding faults. All off costs nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Debug {
+    /// Measure the GPU time of each node: [`Pool::timings`](crate::Pool::timings). Needs `TIMESTAMP_QUERY`;
+    /// without `TIMESTAMP_QUERY_INSIDE_PASSES` each dispatch then gets a compute pass of its own.
+    pub timestamps: bool,
+    /// Keep every node, also those whose results nobody needs.
+    pub no_cull: bool,
+    /// Give every dispatch a compute pass of its own.
+    pub no_group: bool,
+    /// Name each dispatch inside its compute pass for graphics debuggers.
+    pub labels: bool,
+    /// Fill every transient texture that can be a render target before the first node of the frame
+    /// (NaN where the format is floating point, 1 elsewhere), so that reliance on stale content shows.
+    pub clobber: bool,
+}

@@ -1,0 +1,140 @@
+//! Bind groups, found again by what they bind.
+
+use crate::graph::{Bound, Node};
+use crate::handle::Subresources;
+use crate::kernel::Interface;
+use crate::plan::Plan;
+use crate::pool::{Physical, Pool};
+use crate::reflect::BindingKind;
+
+impl Plan<'_> {
+    /// The bind group of a node's group 0; `key` is scratch space.
+    pub(super) fn bind_group(
+        &self,
+        pool: &mut Pool,
+        physical: &[Physical],
+        node: &Node<'_>,
+        face: &Interface,
+        key: &mut Vec<u64>,
+    ) -> Option<wgpu::BindGroup> {
+        let layout = face.layout.as_ref()?;
+        let binds = &self.graph.binds[node.binds.start as usize..node.binds.end as usize];
+        key.clear();
+        key.push(face.id);
+        for bind in binds {
+            key.push(bind.slot.into());
+            match bind.what {
+                Bound::Access(access) => {
+                    let a = &self.graph.accesses[access as usize];
+                    let id = match &physical[a.resource as usize] {
+                        Physical::Texture(_, id) | Physical::Buffer(_, id) => *id,
+                        Physical::None => 0,
+                    };
+                    key.extend([id.into(), a.range.bits()]);
+                }
+                Bound::Uniform { offset, size } => {
+                    let id = pool.upload.buffer().map_or(0, |(_, id)| *id);
+                    key.extend([u64::from(id), offset << 24 | size]);
+                }
+                Bound::Sampler(sampler) => {
+                    let desc = &self.graph.samplers[sampler as usize];
+                    key.push(pool.cache.sampler_id(&pool.device, desc).into());
+                }
+                Bound::Mistake => {}
+            }
+        }
+        if let Some(group) = pool.cache.group(key) {
+            return Some(group);
+        }
+        let group = self.make_group(pool, physical, node, face, layout);
+        pool.cache.keep_group(key, group.clone());
+        Some(group)
+    }
+
+    fn make_group(
+        &self,
+        pool: &mut Pool,
+        physical: &[Physical],
+        node: &Node<'_>,
+        face: &Interface,
+        layout: &wgpu::BindGroupLayout,
+    ) -> wgpu::BindGroup {
+        let binds = &self.graph.binds[node.binds.start as usize..node.binds.end as usize];
+        let views: Vec<Option<wgpu::TextureView>> = binds
+            .iter()
+            .map(|bind| match bind.what {
+                Bound::Access(access) => {
+                    let a = &self.graph.accesses[access as usize];
+                    view(
+                        pool,
+                        &physical[a.resource as usize],
+                        a.range,
+                        &face.reflection.bindings[bind.slot as usize].kind,
+                    )
+                }
+                _ => None,
+            })
+            .collect();
+        let entries: Vec<_> = binds
+            .iter()
+            .zip(&views)
+            .filter_map(|(bind, view)| {
+                let resource = match (bind.what, view) {
+                    (Bound::Access(_), Some(view)) => wgpu::BindingResource::TextureView(view),
+                    (Bound::Access(access), None) => {
+                        let a = &self.graph.accesses[access as usize];
+                        physical[a.resource as usize].buffer()?.as_entire_binding()
+                    }
+                    (Bound::Uniform { offset, size }, _) => {
+                        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                            buffer: &pool.upload.buffer()?.0,
+                            offset,
+                            size: wgpu::BufferSize::new(size),
+                        })
+                    }
+                    (Bound::Sampler(sampler), _) => {
+                        let id = pool
+                            .cache
+                            .find_sampler(&self.graph.samplers[sampler as usize])?;
+                        wgpu::BindingResource::Sampler(id)
+                    }
+                    (Bound::Mistake, _) => return None,
+                };
+                let binding = face.reflection.bindings[bind.slot as usize].binding;
+                Some(wgpu::BindGroupEntry { binding, resource })
+            })
+            .collect();
+        pool.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(&node.label),
+            layout,
+            entries: &entries,
+        })
+    }
+}
+
+/// A view of the range as the shader declares it; `None` for buffers.
+fn view(
+    pool: &mut Pool,
+    physical: &Physical,
+    range: Subresources,
+    kind: &BindingKind,
+) -> Option<wgpu::TextureView> {
+    let Physical::Texture(texture, id) = physical else {
+        return None;
+    };
+    let (BindingKind::Sampled { dimension, .. } | BindingKind::StorageTexture { dimension, .. }) =
+        kind
+    else {
+        return None;
+    };
+    // Of depth and stencil a shader sees the depth.
+    let aspect = match texture.format().is_combined_depth_stencil_format() {
+        true => wgpu::TextureAspect::DepthOnly,
+        false => wgpu::TextureAspect::All,
+    };
+    Some(
+        pool.cache
+            .view((texture, *id), range, *dimension, aspect)
+            .clone(),
+    )
+}

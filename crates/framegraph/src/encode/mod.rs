@@ -1,0 +1,294 @@
+//! Recording a plan: real memory for each resource, then the steps in order.
+
+mod bind;
+mod passes;
+
+use std::sync::Arc;
+
+use crate::error::EncodeError;
+use crate::graph::{Kind, RingState, Shape, Work};
+use crate::handle::{Buffer, Raw, Texture, View};
+use crate::plan::{Plan, StepKind};
+use crate::pool::{Physical, Pool};
+use crate::{HistoryInfo, Reset};
+
+/// The real resources of a plan while it is encoded, for foreign nodes.
+pub struct Resources<'a> {
+    brand: u32,
+    physical: &'a [Physical],
+}
+
+impl Resources<'_> {
+    fn physical(&self, raw: Raw) -> Option<&Physical> {
+        (raw.brand == self.brand)
+            .then(|| self.physical.get(raw.resource as usize))
+            .flatten()
+    }
+
+    /// The texture behind a handle; `None` when nothing that runs uses it.
+    pub fn texture(&self, texture: Texture) -> Option<&wgpu::Texture> {
+        self.physical(texture.0)?.texture()
+    }
+
+    /// A new view of the range.
+    pub fn view(&self, view: impl Into<View>) -> Option<wgpu::TextureView> {
+        let view = view.into();
+        let texture = self.texture(view.texture)?;
+        let layers = match texture.dimension() {
+            wgpu::TextureDimension::D3 => 1,
+            _ => texture.depth_or_array_layers(),
+        };
+        let range = view.resolve(texture.mip_level_count(), layers)?;
+        Some(texture.create_view(&wgpu::TextureViewDescriptor {
+            base_mip_level: range.mip,
+            mip_level_count: Some(range.mips),
+            base_array_layer: range.layer,
+            array_layer_count: Some(range.layers),
+            dimension: match (texture.dimension(), range.layers) {
+                (wgpu::TextureDimension::D2, 1) => Some(wgpu::TextureViewDimension::D2),
+                _ => None,
+            },
+            ..Default::default()
+        }))
+    }
+
+    /// The buffer behind a handle; `None` when nothing that runs uses it.
+    pub fn buffer(&self, buffer: Buffer) -> Option<&wgpu::Buffer> {
+        self.physical(buffer.0)?.buffer()
+    }
+}
+
+impl<'f> Plan<'f> {
+    /// Records all steps into `encoder` and advances the histories. Nothing is submitted. Submit the
+    /// encoder before the next plan of this pool is encoded.
+    ///
+    /// # Errors
+    /// When the plan is of another pool, or a history it declares has changed since it was begun.
+    pub fn encode(
+        mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        pool: &mut Pool,
+    ) -> Result<(), EncodeError> {
+        if self.graph.pool != pool.id {
+            return Err(EncodeError::OtherPool);
+        }
+        if !self.graph.histories.is_empty() && !Arc::ptr_eq(&self.graph.states, &pool.states) {
+            return Err(EncodeError::Outdated);
+        }
+        pool.begin_encode();
+        pool.upload
+            .write(&pool.device, &pool.queue, &self.graph.upload);
+        let physical = self.materialize(encoder, pool);
+        self.record(encoder, pool, &physical);
+        for export in &self.graph.exports {
+            pool.exports.insert(
+                export.key.clone(),
+                physical[export.raw.resource as usize].clone(),
+            );
+        }
+        self.advance(pool);
+        Ok(())
+    }
+
+    /// Gives every resource that anything uses its memory, with the usage that is needed.
+    fn materialize(&self, encoder: &mut wgpu::CommandEncoder, pool: &mut Pool) -> Vec<Physical> {
+        let graph = &self.graph;
+        let mut usage = vec![0u32; graph.resources.len()];
+        let mut wanted = vec![false; graph.resources.len()];
+        for &n in &self.order {
+            let node = &graph.nodes[n as usize];
+            for a in &graph.accesses[node.accesses.start as usize..node.accesses.end as usize] {
+                usage[a.resource as usize] |= a.usage;
+                wanted[a.resource as usize] = true;
+            }
+        }
+        for export in &graph.exports {
+            let i = export.raw.resource as usize;
+            wanted[i] = true;
+            usage[i] |= match graph.resources[i].shape {
+                Shape::Texture { .. } => {
+                    (wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING).bits()
+                }
+                Shape::Buffer { .. } => wgpu::BufferUsages::COPY_SRC.bits(),
+            };
+        }
+        let mut rings = vec![0u32; graph.histories.len()];
+        for (i, r) in graph.resources.iter().enumerate() {
+            usage[i] |= r.extra_usage;
+            if let Kind::Current(h) | Kind::Previous { history: h, .. } = r.kind {
+                rings[h as usize] |= usage[i];
+            }
+        }
+        for (h, &usage) in graph.histories.iter().zip(&rings) {
+            pool.rings.prepare(&pool.device, encoder, h, usage);
+        }
+        graph
+            .resources
+            .iter()
+            .enumerate()
+            .map(|(i, r)| match &r.kind {
+                _ if !wanted[i] => Physical::None,
+                Kind::Transient => pool.store.take(&pool.device, &r.label, &r.shape, usage[i]),
+                Kind::ImportedTexture(texture) => {
+                    Physical::Texture(texture.clone(), pool.cache.texture_id(texture))
+                }
+                Kind::ImportedBuffer(buffer) => {
+                    Physical::Buffer(buffer.clone(), pool.cache.buffer_id(buffer))
+                }
+                Kind::Current(h) => pool.rings.slot(&graph.histories[*h as usize], 0),
+                Kind::Previous { history, age, .. } => {
+                    pool.rings.slot(&graph.histories[*history as usize], *age)
+                }
+            })
+            .collect()
+    }
+
+    fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        pool: &mut Pool,
+        physical: &[Physical],
+    ) {
+        let features = pool.device.features();
+        let timed =
+            self.graph.debug.timestamps && features.contains(wgpu::Features::TIMESTAMP_QUERY);
+        pool.timer
+            .begin(&pool.device, if timed { self.order.len() } else { 0 });
+        if self.graph.debug.clobber {
+            self.clobber(encoder, pool, physical);
+        }
+        let steps = std::mem::take(&mut self.steps);
+        let mut at = 0;
+        while let Some(step) = steps.get(at) {
+            at += 1;
+            let node = step.node as usize;
+            match step.kind {
+                StepKind::BeginCompute => {
+                    let count = steps[at..]
+                        .iter()
+                        .take_while(|s| s.kind == StepKind::Dispatch)
+                        .count();
+                    self.compute_pass(encoder, pool, physical, &steps[at..at + count]);
+                    at += count;
+                }
+                StepKind::Dispatch | StepKind::EndCompute => {}
+                StepKind::Raster => {
+                    if let Work::Raster(raster) =
+                        std::mem::replace(&mut self.graph.nodes[node].work, Work::None)
+                    {
+                        self.render_pass(encoder, pool, physical, node, *raster);
+                    }
+                }
+                _ => {
+                    let queries = if timed {
+                        pool.timer.node(&self.graph.nodes[node].label)
+                    } else {
+                        None
+                    };
+                    if let Some((set, first)) = &queries {
+                        passes::stamp(encoder, features, set, *first);
+                    }
+                    self.transfer(encoder, pool, physical, node);
+                    if let Some((set, first)) = &queries {
+                        passes::stamp(encoder, features, set, first + 1);
+                    }
+                }
+            }
+        }
+        pool.timer.end(&pool.device, encoder);
+    }
+
+    /// Copies, clears, uploads, foreign work.
+    fn transfer(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        pool: &mut Pool,
+        physical: &[Physical],
+        node: usize,
+    ) {
+        let accesses = self.graph.nodes[node].accesses.clone();
+        let at = |i: u32| {
+            &physical[self.graph.accesses[(accesses.start + i) as usize].resource as usize]
+        };
+        match std::mem::replace(&mut self.graph.nodes[node].work, Work::None) {
+            Work::CopyTexture | Work::CopyBuffer => crate::pool::copy(encoder, at(0), at(1)),
+            Work::Clear(value) => {
+                let access = self.graph.accesses[accesses.start as usize];
+                self.clear(
+                    encoder,
+                    pool,
+                    &physical[access.resource as usize],
+                    access.range,
+                    value,
+                );
+            }
+            Work::Zero => {
+                if let Some(buffer) = at(0).buffer() {
+                    encoder.clear_buffer(buffer, 0, None);
+                }
+            }
+            Work::Upload { offset } => {
+                if let (Some((upload, _)), Some(buffer)) = (pool.upload.buffer(), at(0).buffer()) {
+                    encoder.copy_buffer_to_buffer(upload, offset, buffer, 0, buffer.size());
+                }
+            }
+            Work::Foreign(work) => {
+                let label = &self.graph.nodes[node].label;
+                encoder.push_debug_group(label);
+                work(
+                    encoder,
+                    &Resources {
+                        brand: self.graph.brand,
+                        physical,
+                    },
+                );
+                encoder.pop_debug_group();
+            }
+            Work::None | Work::Compute { .. } | Work::Raster(_) => {}
+        }
+    }
+
+    /// Tells the pool what became of each history.
+    fn advance(self, pool: &mut Pool) {
+        let Plan {
+            mut graph, live, ..
+        } = self;
+        if graph.histories.is_empty() {
+            return;
+        }
+        // So that the pool's own state is the only one, and is changed in place.
+        graph.states = Arc::default();
+        let mut written = vec![false; graph.resources.len()];
+        for a in &graph.accesses {
+            written[a.resource as usize] |= a.mode.writes() && live[a.node as usize];
+        }
+        let frame = graph.params.frame;
+        let states = Arc::make_mut(&mut pool.states);
+        for h in graph.histories {
+            let state = states.entry(h.key).or_insert_with(|| RingState {
+                shape: h.shape,
+                frames: h.frames,
+                info: HistoryInfo {
+                    frames: 0,
+                    since: frame,
+                    written: frame,
+                    reset: Reset::FirstFrame,
+                },
+                head: 0,
+                pending: None,
+            });
+            (state.shape, state.frames, state.head, state.pending) =
+                (h.shape, h.frames, h.head, None);
+            state.info.frames = h.kept;
+            if let Some(reset) = h.reset {
+                state.info.since = frame;
+                state.info.reset = reset;
+            }
+            if written[h.current as usize] {
+                state.info.frames = (h.kept + 1).min(h.frames);
+                state.info.written = frame;
+                state.head = (h.head + 1) % (h.frames + 1);
+            }
+        }
+    }
+}

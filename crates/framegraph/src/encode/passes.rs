@@ -1,0 +1,304 @@
+//! Compute passes, render passes, clears.
+
+use crate::desc::Load;
+use crate::graph::{Dispatch, Kind, Raster, Shape, Work};
+use crate::handle::Subresources;
+use crate::plan::{Plan, Step};
+use crate::pool::{Physical, Pool};
+
+impl Plan<'_> {
+    /// One compute pass with these dispatches.
+    pub(super) fn compute_pass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pool: &mut Pool,
+        physical: &[Physical],
+        steps: &[Step],
+    ) {
+        let features = pool.device.features();
+        let debug = self.graph.debug;
+        let timed = debug.timestamps && features.contains(wgpu::Features::TIMESTAMP_QUERY);
+        let inside = features.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES);
+        // Where a pass can only be timed as a whole, it holds one dispatch.
+        let whole = match steps.first() {
+            Some(step) if timed && !inside => {
+                pool.timer.node(&self.graph.nodes[step.node as usize].label)
+            }
+            _ => None,
+        };
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: steps
+                .first()
+                .map(|s| self.graph.nodes[s.node as usize].label.as_str()),
+            timestamp_writes: whole
+                .as_ref()
+                .map(|(set, first)| wgpu::ComputePassTimestampWrites {
+                    query_set: set,
+                    beginning_of_pass_write_index: Some(*first),
+                    end_of_pass_write_index: Some(first + 1),
+                }),
+        });
+        let mut key = Vec::new();
+        let mut last = 0;
+        for step in steps {
+            let node = &self.graph.nodes[step.node as usize];
+            let Work::Compute { kernel, dispatch } = &node.work else {
+                continue;
+            };
+            let face = &kernel.0.interface;
+            let queries = if timed && inside {
+                pool.timer.node(&node.label)
+            } else {
+                None
+            };
+            if debug.labels {
+                pass.push_debug_group(&node.label);
+            }
+            if let Some((set, first)) = &queries {
+                pass.write_timestamp(set, *first);
+            }
+            if last != face.id {
+                pass.set_pipeline(&kernel.0.pipeline);
+                last = face.id;
+            }
+            if let Some(group) = self.bind_group(pool, physical, node, face, &mut key) {
+                pass.set_bind_group(0, &group, &[]);
+            }
+            for (index, group) in
+                &self.graph.groups[node.groups.start as usize..node.groups.end as usize]
+            {
+                pass.set_bind_group(*index, group, &[]);
+            }
+            match *dispatch {
+                Dispatch::Workgroups([x, y, z]) => pass.dispatch_workgroups(x, y, z),
+                Dispatch::Indirect { access, offset } => {
+                    let resource = self.graph.accesses[access as usize].resource;
+                    if let Some(buffer) = physical[resource as usize].buffer() {
+                        pass.dispatch_workgroups_indirect(buffer, offset);
+                    }
+                }
+            }
+            if let Some((set, first)) = &queries {
+                pass.write_timestamp(set, first + 1);
+            }
+            if debug.labels {
+                pass.pop_debug_group();
+            }
+        }
+    }
+
+    /// One render pass.
+    pub(super) fn render_pass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pool: &mut Pool,
+        physical: &[Physical],
+        node: usize,
+        raster: Raster<'_>,
+    ) {
+        let node = &self.graph.nodes[node];
+        let timed = self.graph.debug.timestamps
+            && pool
+                .device
+                .features()
+                .contains(wgpu::Features::TIMESTAMP_QUERY);
+        let face = &raster.kernel.0.interface;
+        let group = self.bind_group(pool, physical, node, face, &mut Vec::new());
+        let mut view = |access: u32| {
+            let a = self.graph.accesses.get(access as usize)?;
+            attachment(pool, &physical[a.resource as usize], a.range)
+        };
+        let colors: Vec<_> = raster
+            .colors
+            .iter()
+            .map(|&(_, access, load)| (view(access), load))
+            .collect();
+        let depth = raster
+            .depth
+            .and_then(|(access, load)| Some((view(access)?, load)));
+        let color_attachments: Vec<_> = colors
+            .iter()
+            .map(|(view, load)| {
+                Some(wgpu::RenderPassColorAttachment {
+                    view: view.as_ref()?,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: operations(*load),
+                })
+            })
+            .collect();
+        let queries = if timed {
+            pool.timer.node(&node.label)
+        } else {
+            None
+        };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(&node.label),
+            color_attachments: &color_attachments,
+            depth_stencil_attachment: depth.as_ref().map(|(view, load)| {
+                wgpu::RenderPassDepthStencilAttachment {
+                    view,
+                    depth_ops: Some(operations(*load)),
+                    stencil_ops: None,
+                }
+            }),
+            timestamp_writes: queries.as_ref().map(|(set, first)| {
+                wgpu::RenderPassTimestampWrites {
+                    query_set: set,
+                    beginning_of_pass_write_index: Some(*first),
+                    end_of_pass_write_index: Some(first + 1),
+                }
+            }),
+            ..Default::default()
+        });
+        pass.set_pipeline(&raster.kernel.0.pipeline);
+        if let Some(group) = &group {
+            pass.set_bind_group(0, group, &[]);
+        }
+        for (index, group) in
+            &self.graph.groups[node.groups.start as usize..node.groups.end as usize]
+        {
+            pass.set_bind_group(*index, group, &[]);
+        }
+        (raster.draw)(&mut pass);
+    }
+
+    /// Clears a range by an empty render pass for each mip and layer.
+    pub(super) fn clear(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pool: &mut Pool,
+        physical: &Physical,
+        range: Subresources,
+        value: [f64; 4],
+    ) {
+        let depth = physical
+            .texture()
+            .is_some_and(|t| t.format().has_depth_aspect());
+        for mip in range.mip..range.mip + range.mips {
+            for layer in range.layer..range.layer + range.layers {
+                let one = Subresources {
+                    mip,
+                    mips: 1,
+                    layer,
+                    layers: 1,
+                };
+                let Some(view) = attachment(pool, physical, one) else {
+                    return;
+                };
+                let [r, g, b, a] = value;
+                let color = [Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: operations(Load::Clear(wgpu::Color { r, g, b, a })),
+                })];
+                encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                    label: Some("clear"),
+                    color_attachments: if depth { &[] } else { &color },
+                    depth_stencil_attachment: depth.then(|| {
+                        wgpu::RenderPassDepthStencilAttachment {
+                            view: &view,
+                            depth_ops: Some(operations(Load::Clear(r as f32))),
+                            stencil_ops: None,
+                        }
+                    }),
+                    ..Default::default()
+                });
+            }
+        }
+    }
+
+    /// Fills the transient textures that can be targets with a pattern.
+    pub(super) fn clobber(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pool: &mut Pool,
+        physical: &[Physical],
+    ) {
+        for (r, physical) in self.graph.resources.iter().zip(physical) {
+            let Shape::Texture {
+                format,
+                mips,
+                layers,
+                ..
+            } = r.shape
+            else {
+                continue;
+            };
+            let target = physical.usage() & wgpu::TextureUsages::RENDER_ATTACHMENT.bits() != 0;
+            if !matches!(r.kind, Kind::Transient) || !target {
+                continue;
+            }
+            use wgpu::TextureFormat as F;
+            let float = matches!(
+                format,
+                F::R16Float
+                    | F::Rg16Float
+                    | F::Rgba16Float
+                    | F::R32Float
+                    | F::Rg32Float
+                    | F::Rgba32Float
+            );
+            let value = if float { f64::NAN } else { 1.0 };
+            self.clear(
+                encoder,
+                pool,
+                physical,
+                Subresources {
+                    mips,
+                    layers,
+                    ..Subresources::ONE
+                },
+                [value; 4],
+            );
+        }
+    }
+}
+
+fn operations<T>(load: Load<T>) -> wgpu::Operations<T> {
+    wgpu::Operations {
+        load: match load {
+            Load::Clear(value) => wgpu::LoadOp::Clear(value),
+            Load::Load => wgpu::LoadOp::Load,
+        },
+        store: wgpu::StoreOp::Store,
+    }
+}
+
+fn attachment(
+    pool: &mut Pool,
+    physical: &Physical,
+    range: Subresources,
+) -> Option<wgpu::TextureView> {
+    let Physical::Texture(texture, id) = physical else {
+        return None;
+    };
+    let (dimension, aspect) = (wgpu::TextureViewDimension::D2, wgpu::TextureAspect::All);
+    Some(
+        pool.cache
+            .view((texture, *id), range, dimension, aspect)
+            .clone(),
+    )
+}
+
+/// Writes a timestamp between passes, by whatever means the device has.
+pub(super) fn stamp(
+    encoder: &mut wgpu::CommandEncoder,
+    features: wgpu::Features,
+    set: &wgpu::QuerySet,
+    index: u32,
+) {
+    if features.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS) {
+        encoder.write_timestamp(set, index);
+    } else {
+        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("timestamp"),
+            timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
+                query_set: set,
+                beginning_of_pass_write_index: Some(index),
+                end_of_pass_write_index: None,
+            }),
+        });
+    }
+}

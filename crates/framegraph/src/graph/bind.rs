@@ -1,0 +1,479 @@
+//! Binding by name: what the node gives is checked against what the shader declares.
+
+use super::{Bind, Bound, FrameGraph, Resource, Shape};
+use crate::error::{Code, GraphError, Site, nearest, suggest};
+use crate::handle::{Buffer, Raw, Subresources, Texture, View};
+use crate::kernel::Interface;
+use crate::reflect::{BindingAccess, BindingKind, Sample};
+use crate::state::{Mode, State};
+
+impl FrameGraph<'_> {
+    /// The slot of a name, unless it is unknown or taken.
+    fn slot(&mut self, face: &Interface, node: u32, name: &str, site: Site) -> Option<usize> {
+        let bindings = &face.reflection.bindings[..face.slots];
+        let Some(slot) = bindings.iter().position(|b| b.name == name) else {
+            let names = bindings.iter().map(|b| b.name.as_str());
+            let label = &self.nodes[node as usize].label;
+            let message = format!(
+                "`{label}` binds `{name}`, which kernel `{}` does not use",
+                face.label
+            );
+            let help = suggest(name, names.clone());
+            // The one that was meant is not reported as unbound too.
+            if let Some(slot) =
+                nearest(name, names).and_then(|near| bindings.iter().position(|b| b.name == near))
+            {
+                self.bind(node, slot, Bound::Mistake, site);
+            }
+            self.fail(Code::UnknownBinding, message, site, help);
+            return None;
+        };
+        let own = &self.binds[self.nodes[node as usize].binds.start as usize..];
+        match own
+            .iter()
+            .find(|b| b.slot as usize == slot && !matches!(b.what, Bound::Mistake))
+        {
+            None => Some(slot),
+            Some(first) => {
+                let label = &self.nodes[node as usize].label;
+                let message = format!("`{label}` binds `{name}` twice");
+                let error = GraphError::new(Code::BoundTwice, message, site, "bind each name once");
+                let error = error.with("first bound", first.site);
+                self.errors.push(error);
+                None
+            }
+        }
+    }
+
+    fn bind(&mut self, node: u32, slot: usize, what: Bound, site: Site) {
+        self.binds.push(Bind {
+            slot: slot as u32,
+            what,
+            site,
+        });
+        self.nodes[node as usize].binds.end = self.binds.len() as u32;
+    }
+
+    /// Reports a mistake with the binding in `slot` and keeps it from being reported as unbound.
+    fn mistake(
+        &mut self,
+        (node, slot): (u32, usize),
+        code: Code,
+        message: String,
+        site: Site,
+        help: impl Into<String>,
+    ) {
+        self.bind(node, slot, Bound::Mistake, site);
+        let message = format!("`{}` {message}", self.nodes[node as usize].label);
+        self.fail(code, message, site, help);
+    }
+
+    pub(crate) fn bind_texture(
+        &mut self,
+        face: &Interface,
+        node: u32,
+        name: &str,
+        view: View,
+        mode: Mode,
+        site: Site,
+    ) -> Texture {
+        let poison = Texture(Raw::POISON);
+        let Some(slot) = self.slot(face, node, name, site) else {
+            return poison;
+        };
+        let at = (node, slot);
+        let Some((resource, range)) = self.resolve_view(&view, site) else {
+            self.bind(node, slot, Bound::Mistake, site);
+            return poison;
+        };
+        let Resource {
+            label,
+            shape: Shape::Texture { format, depth, .. },
+            ..
+        } = &self.resources[resource]
+        else {
+            return poison;
+        };
+        let (label, format, depth) = (label.clone(), *format, *depth);
+        let binding = &face.reflection.bindings[slot];
+        if !self.check_mode(at, name, binding.access, mode, site) {
+            return poison;
+        }
+        let (state, dimension) = match &binding.kind {
+            BindingKind::Sampled {
+                sample,
+                dimension,
+                filtered,
+            } => {
+                if let Err(help) = samples_as(format, *sample, *filtered, self.caps.features) {
+                    let message = format!(
+                        "binds `{label}` ({format:?}) to `{name}`, which is read as {sample:?}"
+                    );
+                    self.mistake(at, Code::Format, message, site, help);
+                    return poison;
+                }
+                (State::Sampled, *dimension)
+            }
+            BindingKind::StorageTexture {
+                format: declared,
+                dimension,
+                access,
+            } => {
+                if format != *declared {
+                    let message =
+                        format!("binds `{label}` ({format:?}) to `{name}`, which is {declared:?}");
+                    self.mistake(
+                        at,
+                        Code::Format,
+                        message,
+                        site,
+                        "make the texture's format the shader's",
+                    );
+                    return poison;
+                }
+                let state = match access {
+                    wgpu::StorageTextureAccess::ReadOnly => State::StorageRead,
+                    wgpu::StorageTextureAccess::WriteOnly => State::StorageWrite,
+                    _ => State::StorageReadWrite,
+                };
+                (state, *dimension)
+            }
+            kind => {
+                let message = format!(
+                    "binds the texture `{label}` to `{name}`, which is {}",
+                    noun(kind)
+                );
+                self.mistake(at, Code::WrongKind, message, site, remedy(kind));
+                return poison;
+            }
+        };
+        if let Err(help) = dimension_fits(dimension, depth, range, state) {
+            let message = format!(
+                "binds {} mips and {} layers of `{label}` to `{name}`, which is {dimension:?}",
+                range.mips, range.layers
+            );
+            self.mistake(at, Code::Dimension, message, site, help);
+            return poison;
+        }
+        let usage = state.texture_usage().bits();
+        self.check_usage(resource, usage, site);
+        let (raw, access) = self.access(node, view.texture.0, range, (mode, state, usage), site);
+        self.bind(node, slot, Bound::Access(access), site);
+        Texture(raw)
+    }
+
+    pub(crate) fn bind_buffer(
+        &mut self,
+        face: &Interface,
+        node: u32,
+        name: &str,
+        buffer: Buffer,
+        mode: Mode,
+        site: Site,
+    ) -> Buffer {
+        let poison = Buffer(Raw::POISON);
+        let Some(slot) = self.slot(face, node, name, site) else {
+            return poison;
+        };
+        let at = (node, slot);
+        let Some(resource) = self.resolve(buffer.0, site) else {
+            self.bind(node, slot, Bound::Mistake, site);
+            return poison;
+        };
+        let Resource {
+            label,
+            shape: Shape::Buffer { bytes },
+            ..
+        } = &self.resources[resource]
+        else {
+            return poison;
+        };
+        let (label, bytes) = (label.clone(), *bytes);
+        let binding = &face.reflection.bindings[slot];
+        if !self.check_mode(at, name, binding.access, mode, site) {
+            return poison;
+        }
+        let (state, needed, most) = match &binding.kind {
+            BindingKind::Storage {
+                min_size,
+                read_only,
+            } => {
+                let state = if *read_only {
+                    State::StorageRead
+                } else {
+                    State::StorageReadWrite
+                };
+                (
+                    state,
+                    *min_size,
+                    self.caps.limits.max_storage_buffer_binding_size,
+                )
+            }
+            BindingKind::Uniform(layout) => (
+                State::Uniform,
+                layout.size.into(),
+                self.caps.limits.max_uniform_buffer_binding_size,
+            ),
+            kind => {
+                let message = format!(
+                    "binds the buffer `{label}` to `{name}`, which is {}",
+                    noun(kind)
+                );
+                self.mistake(at, Code::WrongKind, message, site, remedy(kind));
+                return poison;
+            }
+        };
+        if bytes < needed || bytes > most {
+            let message = format!("binds `{label}` of {bytes} bytes to `{name}`");
+            let help = format!(
+                "the shader needs at least {needed} bytes, and this device binds at most {most}"
+            );
+            self.mistake(at, Code::BufferSize, message, site, help);
+            return poison;
+        }
+        let usage = state.buffer_usage().bits();
+        self.check_usage(resource, usage, site);
+        let how = (mode, state, usage);
+        let (raw, access) = self.access(node, buffer.0, Subresources::ONE, how, site);
+        self.bind(node, slot, Bound::Access(access), site);
+        Buffer(raw)
+    }
+
+    pub(crate) fn bind_uniform(
+        &mut self,
+        face: &Interface,
+        node: u32,
+        name: &str,
+        bytes: &[u8],
+        site: Site,
+    ) {
+        let Some(slot) = self.slot(face, node, name, site) else {
+            return;
+        };
+        match &face.reflection.bindings[slot].kind {
+            BindingKind::Uniform(layout) if layout.size as usize == bytes.len() => {
+                let what = Bound::Uniform {
+                    offset: self.put(bytes),
+                    size: bytes.len() as u64,
+                };
+                self.bind(node, slot, what, site);
+            }
+            BindingKind::Uniform(layout) => {
+                let message = format!(
+                    "gives {} bytes to `{name}`, which has {}",
+                    bytes.len(),
+                    layout.size
+                );
+                let help = "lay the data out as Reflection says, with the padding at the end";
+                self.mistake((node, slot), Code::UniformSize, message, site, help);
+            }
+            kind => {
+                let message = format!("gives uniform data to `{name}`, which is {}", noun(kind));
+                self.mistake((node, slot), Code::WrongKind, message, site, remedy(kind));
+            }
+        }
+    }
+
+    pub(crate) fn bind_sampler(
+        &mut self,
+        face: &Interface,
+        node: u32,
+        name: &str,
+        desc: &wgpu::SamplerDescriptor<'_>,
+        site: Site,
+    ) {
+        let Some(slot) = self.slot(face, node, name, site) else {
+            return;
+        };
+        match &face.reflection.bindings[slot].kind {
+            BindingKind::Sampler { comparison } if *comparison == desc.compare.is_some() => {
+                self.samplers.push(wgpu::SamplerDescriptor {
+                    label: None,
+                    address_mode_u: desc.address_mode_u,
+                    address_mode_v: desc.address_mode_v,
+                    address_mode_w: desc.address_mode_w,
+                    mag_filter: desc.mag_filter,
+                    min_filter: desc.min_filter,
+                    mipmap_filter: desc.mipmap_filter,
+                    lod_min_clamp: desc.lod_min_clamp,
+                    lod_max_clamp: desc.lod_max_clamp,
+                    compare: desc.compare,
+                    anisotropy_clamp: desc.anisotropy_clamp,
+                    border_color: desc.border_color,
+                });
+                self.bind(
+                    node,
+                    slot,
+                    Bound::Sampler(self.samplers.len() as u32 - 1),
+                    site,
+                );
+            }
+            kind => {
+                let message = format!("gives a sampler to `{name}`, which is {}", noun(kind));
+                let help = match kind {
+                    BindingKind::Sampler { comparison: true } => "set `compare` in the descriptor",
+                    BindingKind::Sampler { comparison: false } => {
+                        "leave `compare` in the descriptor empty"
+                    }
+                    kind => remedy(kind),
+                };
+                self.mistake((node, slot), Code::WrongKind, message, site, help);
+            }
+        }
+    }
+
+    pub(crate) fn bind_hand_made(
+        &mut self,
+        face: &Interface,
+        node: u32,
+        group: u32,
+        made: &wgpu::BindGroup,
+        site: Site,
+    ) {
+        let own = &self.groups[self.nodes[node as usize].groups.start as usize..];
+        if !face.external.contains(&group) || own.iter().any(|(g, _)| *g == group) {
+            let label = &self.nodes[node as usize].label;
+            let message = format!("`{label}` gives group {group} a bind group");
+            let help = format!(
+                "kernel `{}` takes one for each of the groups {:?}",
+                face.label, face.external
+            );
+            self.fail(Code::BindGroup, message, site, help);
+            return;
+        }
+        self.groups.push((group, made.clone()));
+        self.nodes[node as usize].groups.end = self.groups.len() as u32;
+    }
+
+    /// Reports what a kernel needs and the node has not given.
+    pub(crate) fn check_bound(&mut self, face: &Interface, node: u32) {
+        let n = &self.nodes[node as usize];
+        let (label, site) = (n.label.clone(), n.site);
+        for slot in 0..face.slots {
+            if !self.binds[n_range(&self.nodes[node as usize].binds)]
+                .iter()
+                .any(|b| b.slot as usize == slot)
+            {
+                let b = &face.reflection.bindings[slot];
+                let message = format!(
+                    "`{label}` leaves `{}` of kernel `{}` unbound",
+                    b.name, face.label
+                );
+                self.fail(Code::Unbound, message, site, remedy(&b.kind));
+            }
+        }
+        for &group in &face.external {
+            if !self.groups[n_range(&self.nodes[node as usize].groups)]
+                .iter()
+                .any(|(g, _)| *g == group)
+            {
+                let message = format!(
+                    "`{label}` leaves group {group} of kernel `{}` unbound",
+                    face.label
+                );
+                self.fail(Code::BindGroup, message, site, "give it with `bind_group`");
+            }
+        }
+    }
+
+    fn check_mode(
+        &mut self,
+        at: (u32, usize),
+        name: &str,
+        access: BindingAccess,
+        mode: Mode,
+        site: Site,
+    ) -> bool {
+        let (message, help) = match (mode, access) {
+            (Mode::Read, BindingAccess::Write | BindingAccess::ReadWrite) => (
+                format!("reads `{name}`, which the shader writes"),
+                "use `overwrite` when every texel is written, else `modify`",
+            ),
+            (Mode::Modify | Mode::Overwrite, BindingAccess::Read) => (
+                format!("writes `{name}`, which the shader only reads"),
+                "use `read`",
+            ),
+            (Mode::Overwrite, BindingAccess::ReadWrite) => (
+                format!("overwrites `{name}`, whose contents the shader also reads"),
+                "use `modify`; clear or fill it first when it has no contents",
+            ),
+            _ => return true,
+        };
+        self.mistake(at, Code::WrongKind, message, site, help);
+        false
+    }
+}
+
+fn n_range(range: &std::ops::Range<u32>) -> std::ops::Range<usize> {
+    range.start as usize..range.end as usize
+}
+
+fn noun(kind: &BindingKind) -> &'static str {
+    match kind {
+        BindingKind::Uniform(_) => "a uniform",
+        BindingKind::Storage { .. } => "a storage buffer",
+        BindingKind::Sampled { .. } => "a sampled texture",
+        BindingKind::StorageTexture { .. } => "a storage texture",
+        BindingKind::Sampler { comparison: false } => "a sampler",
+        BindingKind::Sampler { comparison: true } => "a comparison sampler",
+    }
+}
+
+fn remedy(kind: &BindingKind) -> &'static str {
+    match kind {
+        BindingKind::Uniform(_) => "give it bytes with `uniform`, or a buffer with `read_buffer`",
+        BindingKind::Storage { .. } => {
+            "give it a buffer with `read_buffer`, `modify_buffer` or `overwrite_buffer`"
+        }
+        BindingKind::Sampled { .. } => "give it a texture with `read`",
+        BindingKind::StorageTexture { .. } => {
+            "give it a texture with `read`, `modify` or `overwrite`"
+        }
+        BindingKind::Sampler { .. } => "give it a descriptor with `sampler`",
+    }
+}
+
+/// Whether a format can be read as the shader reads it; else what to do.
+fn samples_as(
+    format: wgpu::TextureFormat,
+    sample: Sample,
+    filtered: bool,
+    features: wgpu::Features,
+) -> Result<(), &'static str> {
+    use wgpu::TextureSampleType as T;
+    let aspect = format
+        .has_depth_aspect()
+        .then_some(wgpu::TextureAspect::DepthOnly);
+    match (sample, format.sample_type(aspect, Some(features))) {
+        (Sample::Float, Some(T::Float { filterable: false } | T::Depth)) if filtered => Err(
+            "the format cannot be filtered on this device: read it with textureLoad, or use a 16-bit float format",
+        ),
+        (Sample::Float, Some(T::Float { .. } | T::Depth))
+        | (Sample::Uint, Some(T::Uint))
+        | (Sample::Sint, Some(T::Sint))
+        | (Sample::Depth, Some(T::Depth)) => Ok(()),
+        _ => Err("declare the texture in the shader with the type of the format's texels"),
+    }
+}
+
+/// Whether a range can be seen through a binding of this dimension; else what to do.
+fn dimension_fits(
+    dimension: wgpu::TextureViewDimension,
+    depth: u32,
+    range: Subresources,
+    state: State,
+) -> Result<(), &'static str> {
+    use wgpu::TextureViewDimension as D;
+    if state != State::Sampled && range.mips != 1 {
+        return Err("a storage binding sees one mip: give it `.mip(n)`");
+    }
+    match dimension {
+        D::D2 if depth == 0 && range.layers == 1 => Ok(()),
+        D::D2 if depth == 0 => Err("give it one layer: `.layer(n)`"),
+        D::D2Array if depth == 0 => Ok(()),
+        D::Cube if depth == 0 && range.layers == 6 => Ok(()),
+        D::CubeArray if depth == 0 && range.layers % 6 == 0 => Ok(()),
+        D::D3 if depth > 0 => Ok(()),
+        _ => Err("declare the texture in the shader with the dimension of the view"),
+    }
+}

@@ -1,0 +1,308 @@
+//! Histories: resources kept across frames by key, with a rule for frames that do not exist.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use super::{FrameGraph, Kind, Work, here};
+use crate::desc::{First, FirstBuffer, HistoryBuffer, HistoryTexture, TextureDesc};
+use crate::error::{Code, GraphError, Site};
+use crate::handle::{Buffer, Label, Raw, Texture};
+
+/// What a resource is, as far as memory is concerned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Shape {
+    /// `depth` is 0 for two-dimensional textures.
+    Texture {
+        format: wgpu::TextureFormat,
+        size: [u32; 2],
+        depth: u32,
+        mips: u32,
+        layers: u32,
+    },
+    Buffer {
+        bytes: u64,
+    },
+}
+
+impl Shape {
+    /// (mips, layers); a buffer is one of each.
+    pub fn extent(&self) -> (u32, u32) {
+        match self {
+            Shape::Texture { mips, layers, .. } => (*mips, *layers),
+            Shape::Buffer { .. } => (1, 1),
+        }
+    }
+}
+
+impl fmt::Display for Shape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Shape::Texture {
+                format,
+                size: [w, h],
+                mips,
+                layers,
+                ..
+            } => {
+                write!(f, "{w}x{h} {format:?}")?;
+                match (mips, layers) {
+                    (1, 1) => Ok(()),
+                    _ => write!(f, " {mips} mips {layers} layers"),
+                }
+            }
+            Shape::Buffer { bytes } => write!(f, "{bytes} bytes"),
+        }
+    }
+}
+
+/// Why a history has no older frames than it has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Reset {
+    /// It did not exist before.
+    FirstFrame,
+    /// Its size, format or number of frames changed.
+    Resized {
+        /// What it was.
+        from: String,
+        /// What it is.
+        to: String,
+    },
+    /// [`Pool::reset_history`](crate::Pool::reset_history) was called.
+    Asked(String),
+}
+
+impl fmt::Display for Reset {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Reset::FirstFrame => f.write_str("first frame"),
+            Reset::Resized { from, to } => write!(f, "resized: {from} to {to}"),
+            Reset::Asked(reason) => write!(f, "asked: {reason}"),
+        }
+    }
+}
+
+/// What is known of a history between frames.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HistoryInfo {
+    /// How many past frames hold contents.
+    pub frames: u32,
+    /// Number of the first frame after the last reset.
+    pub since: u64,
+    /// Number of the last frame that wrote it.
+    pub written: u64,
+    /// Why it was last reset.
+    pub reset: Reset,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct RingState {
+    pub shape: Shape,
+    pub frames: u32,
+    pub info: HistoryInfo,
+    /// The ring slot that the next frame writes.
+    pub head: u32,
+    /// A reset that the next frame must obey.
+    pub pending: Option<Reset>,
+}
+
+pub(crate) type HistoryStates = BTreeMap<Label, RingState>;
+
+/// A history as one frame declares it.
+pub(crate) struct HistoryUse {
+    pub key: Label,
+    pub shape: Shape,
+    pub frames: u32,
+    pub current: u32,
+    /// How many past frames hold contents, and why not more if this frame resets it.
+    pub kept: u32,
+    pub reset: Option<Reset>,
+    pub head: u32,
+    /// Some previous frame is missing and its readers were skipped: nobody can yet tell that it is unread.
+    pub skipped: bool,
+    pub site: Site,
+}
+
+enum Fill {
+    Clear([f64; 4]),
+    Word(u32),
+    Skip,
+    Copy(Raw),
+}
+
+impl FrameGraph<'_> {
+    /// A texture of which the last `frames` frames are kept under `key`. Write `current` wholly; read
+    /// `previous`. `first` stands in for frames that do not exist: on the first frame, after a change of
+    /// `desc`, size or `frames`, and after [`Pool::reset_history`](crate::Pool::reset_history).
+    ///
+    /// A frame that does not write `current` leaves the history as it is. What writes `current` is
+    /// kept from culling when anything that runs reads `previous`.
+    #[track_caller]
+    pub fn history_texture(
+        &mut self,
+        key: impl Into<Label>,
+        desc: TextureDesc,
+        frames: u32,
+        first: First,
+    ) -> HistoryTexture {
+        let (site, key) = (here(), key.into());
+        let shape = self.shape(&key, desc, site);
+        let fill = match first {
+            First::Clear(value) => Fill::Clear(value),
+            First::Skip => Fill::Skip,
+            First::Copy(texture) => Fill::Copy(texture.0),
+        };
+        let (current, previous) =
+            self.history(key, shape, desc.extra_usage.bits(), frames, fill, site);
+        HistoryTexture {
+            current: Texture(current),
+            previous: previous.into_iter().map(|raw| raw.map(Texture)).collect(),
+        }
+    }
+
+    /// The same for a buffer of `bytes` bytes.
+    #[track_caller]
+    pub fn history_buffer(
+        &mut self,
+        key: impl Into<Label>,
+        bytes: u64,
+        frames: u32,
+        first: FirstBuffer,
+    ) -> HistoryBuffer {
+        let (site, key) = (here(), key.into());
+        let shape = self.buffer_shape(&key, bytes, site);
+        let fill = match first {
+            FirstBuffer::Fill(word) => Fill::Word(word),
+            FirstBuffer::Skip => Fill::Skip,
+            FirstBuffer::Copy(buffer) => Fill::Copy(buffer.0),
+        };
+        let (current, previous) = self.history(key, shape, 0, frames, fill, site);
+        HistoryBuffer {
+            current: Buffer(current),
+            previous: previous.into_iter().map(|raw| raw.map(Buffer)).collect(),
+        }
+    }
+
+    fn history(
+        &mut self,
+        key: Label,
+        shape: Shape,
+        usage: u32,
+        frames: u32,
+        fill: Fill,
+        site: Site,
+    ) -> (Raw, Vec<Option<Raw>>) {
+        if let Some(first) = self.histories.iter().find(|h| h.key == key) {
+            let error = GraphError::new(
+                Code::DuplicateKey,
+                format!("the history `{key}` is declared twice"),
+                site,
+                "declare it once and pass the handles on",
+            );
+            let error = error.with("first declared", first.site);
+            self.errors.push(error);
+            return (Raw::POISON, vec![Some(Raw::POISON); frames as usize]);
+        }
+        let (kept, head, reset) = match self.states.get(&key) {
+            None => (0, 0, Some(Reset::FirstFrame)),
+            Some(s) if s.shape != shape => (
+                0,
+                0,
+                Some(Reset::Resized {
+                    from: s.shape.to_string(),
+                    to: shape.to_string(),
+                }),
+            ),
+            Some(s) if s.frames != frames => {
+                let text = |n: u32| format!("{n} frames");
+                (
+                    0,
+                    0,
+                    Some(Reset::Resized {
+                        from: text(s.frames),
+                        to: text(frames),
+                    }),
+                )
+            }
+            Some(RingState {
+                pending: Some(reason),
+                head,
+                ..
+            }) => (0, *head, Some(reason.clone())),
+            Some(s) => (s.info.frames, s.head, None),
+        };
+        let history = self.histories.len() as u32;
+        let current = self.add(key.clone(), Kind::Current(history), shape, usage, site);
+        self.histories.push(HistoryUse {
+            key: key.clone(),
+            shape,
+            frames,
+            current: current.resource,
+            kept,
+            reset,
+            head,
+            skipped: matches!(fill, Fill::Skip) && kept < frames,
+            site,
+        });
+        let previous = (1..=frames)
+            .map(|age| {
+                let has = age <= kept;
+                if !has && matches!(fill, Fill::Skip) {
+                    return None;
+                }
+                let label = Label::from(format!("{key}@-{age}"));
+                let raw = self.add(
+                    label.clone(),
+                    Kind::Previous {
+                        history,
+                        age,
+                        kept: has,
+                    },
+                    shape,
+                    usage,
+                    site,
+                );
+                Some(if has {
+                    raw
+                } else {
+                    self.fill_first(&label, raw, &fill, site)
+                })
+            })
+            .collect();
+        (current, previous)
+    }
+
+    /// Declares the node that gives a missing frame its contents.
+    fn fill_first(&mut self, label: &Label, raw: Raw, fill: &Fill, site: Site) -> Raw {
+        let name = Label::from(format!("first {label}"));
+        match *fill {
+            Fill::Clear(value) => self.clear_at(name, Texture(raw), value, site).0,
+            Fill::Word(word) => self.fill_at(name, Buffer(raw), word, site).0,
+            Fill::Copy(from)
+                if matches!(
+                    self.resources[raw.resource as usize].shape,
+                    Shape::Texture { .. }
+                ) =>
+            {
+                self.copy_texture_at(name, Texture(from), Texture(raw), site)
+                    .0
+            }
+            Fill::Copy(from) => self.copy_buffer_at(name, Buffer(from), Buffer(raw), site).0,
+            Fill::Skip => raw,
+        }
+    }
+
+    /// Whether a node was declared without its last call.
+    pub(crate) fn check_finished(&mut self) {
+        for i in 0..self.nodes.len() {
+            if matches!(self.nodes[i].work, Work::None) {
+                let (label, site) = (self.nodes[i].label.clone(), self.nodes[i].site);
+                self.fail(
+                    Code::Unfinished,
+                    format!("`{label}` was declared and given no work"),
+                    site,
+                    "end it with dispatch, dispatch_texels, dispatch_indirect, draw or record",
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! Nodes that move data without a shader: copies, clears, fills, uploads.
+
+use super::{FrameGraph, Resource, Shape, Work, here};
+use crate::error::{Code, GraphError, Site};
+use crate::handle::{Buffer, Label, Raw, Subresources, Texture};
+use crate::state::{Mode, State};
+
+impl FrameGraph<'_> {
+    /// Copies all of `from` over all of `to` and returns the next version of `to`. Format, size, mips
+    /// and layers must be the same.
+    #[track_caller]
+    pub fn copy_texture(&mut self, name: impl Into<Label>, from: Texture, to: Texture) -> Texture {
+        self.copy_texture_at(name.into(), from, to, here())
+    }
+
+    pub(crate) fn copy_texture_at(
+        &mut self,
+        name: Label,
+        from: Texture,
+        to: Texture,
+        site: Site,
+    ) -> Texture {
+        Texture(self.copy(name, from.0, to.0, Work::CopyTexture, site))
+    }
+
+    /// Copies all of `from` over all of `to` and returns the next version of `to`. Sizes must be the same.
+    #[track_caller]
+    pub fn copy_buffer(&mut self, name: impl Into<Label>, from: Buffer, to: Buffer) -> Buffer {
+        self.copy_buffer_at(name.into(), from, to, here())
+    }
+
+    pub(crate) fn copy_buffer_at(
+        &mut self,
+        name: Label,
+        from: Buffer,
+        to: Buffer,
+        site: Site,
+    ) -> Buffer {
+        Buffer(self.copy(name, from.0, to.0, Work::CopyBuffer, site))
+    }
+
+    fn copy(&mut self, name: Label, from: Raw, to: Raw, work: Work<'static>, site: Site) -> Raw {
+        let node = self.begin_node(name, site);
+        self.finish_node(node, work);
+        let (Some(source), Some(target)) = (self.resolve(from, site), self.resolve(to, site))
+        else {
+            return Raw::POISON;
+        };
+        let (a, b) = (&self.resources[source], &self.resources[target]);
+        if a.shape != b.shape {
+            let error = GraphError::new(
+                Code::Copy,
+                format!("`{}` ({}) cannot be copied to `{}` ({})", a.label, a.shape, b.label, b.shape),
+                site,
+                "a copy is whole: format, size, mips and layers must be the same; resample with a kernel",
+            )
+            .with("the target is declared", b.site);
+            self.errors.push(error);
+            return Raw::POISON;
+        }
+        self.whole(node, from, Mode::Read, State::CopySource, site);
+        self.whole(node, to, Mode::Overwrite, State::CopyTarget, site)
+    }
+
+    /// Sets every texel of every mip and layer to `value` and returns the next version. Integer formats
+    /// take the value's integer part; depth formats its first component.
+    #[track_caller]
+    pub fn clear_texture(
+        &mut self,
+        name: impl Into<Label>,
+        texture: Texture,
+        value: [f64; 4],
+    ) -> Texture {
+        self.clear_at(name.into(), texture, value, here())
+    }
+
+    pub(crate) fn clear_at(
+        &mut self,
+        name: Label,
+        texture: Texture,
+        value: [f64; 4],
+        site: Site,
+    ) -> Texture {
+        let node = self.begin_node(name, site);
+        self.finish_node(node, Work::Clear(value));
+        let Some(resource) = self.resolve(texture.0, site) else {
+            return Texture(Raw::POISON);
+        };
+        let Resource {
+            shape: Shape::Texture { format, depth, .. },
+            ..
+        } = self.resources[resource]
+        else {
+            return Texture(Raw::POISON);
+        };
+        if depth > 0 {
+            let label = &self.resources[resource].label;
+            let message = format!("`{label}` is three-dimensional and cannot be cleared");
+            self.fail(Code::Dimension, message, site, "write it with a kernel");
+        }
+        let state = if format.has_depth_aspect() {
+            State::DepthTarget
+        } else {
+            State::ColorTarget
+        };
+        Texture(self.whole(node, texture.0, Mode::Overwrite, state, site))
+    }
+
+    /// Sets every 32-bit word to `word` and returns the next version.
+    #[track_caller]
+    pub fn fill_buffer(&mut self, name: impl Into<Label>, buffer: Buffer, word: u32) -> Buffer {
+        self.fill_at(name.into(), buffer, word, here())
+    }
+
+    pub(crate) fn fill_at(&mut self, name: Label, buffer: Buffer, word: u32, site: Site) -> Buffer {
+        if word != 0 {
+            let words = self.buffer_size(buffer) / 4;
+            return self.upload_at(
+                name,
+                buffer,
+                word.to_ne_bytes().repeat(words as usize),
+                site,
+            );
+        }
+        let node = self.begin_node(name, site);
+        self.finish_node(node, Work::Zero);
+        match self.resolve(buffer.0, site) {
+            Some(_) => Buffer(self.whole(node, buffer.0, Mode::Overwrite, State::CopyTarget, site)),
+            None => Buffer(Raw::POISON),
+        }
+    }
+
+    /// Replaces the buffer's contents by `bytes`, of exactly its size, and returns the next version.
+    #[track_caller]
+    pub fn upload_buffer(
+        &mut self,
+        name: impl Into<Label>,
+        buffer: Buffer,
+        bytes: Vec<u8>,
+    ) -> Buffer {
+        self.upload_at(name.into(), buffer, bytes, here())
+    }
+
+    fn upload_at(&mut self, name: Label, buffer: Buffer, bytes: Vec<u8>, site: Site) -> Buffer {
+        let offset = self.put(&bytes);
+        let node = self.begin_node(name, site);
+        self.finish_node(node, Work::Upload { offset });
+        let Some(resource) = self.resolve(buffer.0, site) else {
+            return Buffer(Raw::POISON);
+        };
+        let r = &self.resources[resource];
+        let Shape::Buffer { bytes: size } = r.shape else {
+            return Buffer(Raw::POISON);
+        };
+        if size != bytes.len() as u64 {
+            let error = GraphError::new(
+                Code::BufferSize,
+                format!(
+                    "{} bytes are uploaded to `{}`, which has {size}",
+                    bytes.len(),
+                    r.label
+                ),
+                site,
+                "upload exactly the buffer's size",
+            )
+            .with("declared", r.site);
+            self.errors.push(error);
+        }
+        Buffer(self.whole(node, buffer.0, Mode::Overwrite, State::CopyTarget, site))
+    }
+
+    /// An access to all of a resource, whose handle is known to be of this graph.
+    fn whole(&mut self, node: u32, raw: Raw, mode: Mode, state: State, site: Site) -> Raw {
+        let shape = self.resources[raw.resource as usize].shape;
+        let (mips, layers) = shape.extent();
+        let usage = match shape {
+            Shape::Texture { .. } => state.texture_usage().bits(),
+            Shape::Buffer { .. } => state.buffer_usage().bits(),
+        };
+        self.check_usage(raw.resource as usize, usage, site);
+        let range = Subresources {
+            mips,
+            layers,
+            ..Subresources::ONE
+        };
+        self.access(node, raw, range, (mode, state, usage), site).0
+    }
+}

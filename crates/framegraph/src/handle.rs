@@ -1,0 +1,224 @@
+//! Handles: what a graph gives out for a resource, and sub-ranges of textures.
+
+use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A name: shared text, cheap to clone. Anything that needs a name takes `impl Into<Label>`;
+/// an engine that declares the same nodes each frame keeps the label and clones it.
+#[derive(Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Label(Arc<str>);
+
+impl Label {
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Display for Label {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl fmt::Debug for Label {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(&*self.0, f)
+    }
+}
+
+impl std::ops::Deref for Label {
+    type Target = str;
+    fn deref(&self) -> &str {
+        &self.0
+    }
+}
+
+impl From<&str> for Label {
+    fn from(text: &str) -> Self {
+        Label(text.into())
+    }
+}
+
+impl From<String> for Label {
+    fn from(text: String) -> Self {
+        Label(text.into())
+    }
+}
+
+impl From<&String> for Label {
+    fn from(text: &String) -> Self {
+        Label(text.as_str().into())
+    }
+}
+
+impl From<Arc<str>> for Label {
+    fn from(text: Arc<str>) -> Self {
+        Label(text)
+    }
+}
+
+impl From<&Label> for Label {
+    fn from(label: &Label) -> Self {
+        label.clone()
+    }
+}
+
+impl PartialEq<str> for Label {
+    fn eq(&self, other: &str) -> bool {
+        &*self.0 == other
+    }
+}
+
+impl PartialEq<&str> for Label {
+    fn eq(&self, other: &&str) -> bool {
+        &*self.0 == *other
+    }
+}
+
+/// What both kinds of handle are: (graph, resource, version).
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(crate) struct Raw {
+    pub brand: u32,
+    pub resource: u32,
+    pub version: u32,
+}
+
+impl Raw {
+    /// Stands for the result of a call that was an error already: its uses are not reported again.
+    pub const POISON: Raw = Raw {
+        brand: 0,
+        resource: u32::MAX,
+        version: 0,
+    };
+}
+
+/// One version of a texture of one frame graph.
+///
+/// A write returns the next version; the older handle is stale from then on.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Texture(pub(crate) Raw);
+
+/// One version of a buffer of one frame graph.
+///
+/// A write returns the next version; the older handle is stale from then on.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Buffer(pub(crate) Raw);
+
+impl Texture {
+    /// Only mip level `mip`.
+    pub fn mip(self, mip: u32) -> View {
+        View::from(self).mip(mip)
+    }
+
+    /// Only array layer `layer`.
+    pub fn layer(self, layer: u32) -> View {
+        View::from(self).layer(layer)
+    }
+}
+
+/// A range of mip levels and array layers of a [`Texture`]; hazards are tracked per (mip, layer).
+///
+/// Made from a texture (all of it) and narrowed: `texture.mip(2).layer(0)`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct View {
+    pub(crate) texture: Texture,
+    mips: Option<Range<u32>>,
+    layers: Option<Range<u32>>,
+}
+
+impl From<Texture> for View {
+    fn from(texture: Texture) -> Self {
+        View {
+            texture,
+            mips: None,
+            layers: None,
+        }
+    }
+}
+
+impl View {
+    /// Only mip level `mip`.
+    pub fn mip(self, mip: u32) -> Self {
+        self.mips(mip..mip + 1)
+    }
+
+    /// Only the mip levels of the range.
+    pub fn mips(mut self, mips: Range<u32>) -> Self {
+        self.mips = Some(mips);
+        self
+    }
+
+    /// Only array layer `layer`.
+    pub fn layer(self, layer: u32) -> Self {
+        self.layers(layer..layer + 1)
+    }
+
+    /// Only the array layers of the range.
+    pub fn layers(mut self, layers: Range<u32>) -> Self {
+        self.layers = Some(layers);
+        self
+    }
+
+    /// The range in a texture of so many mips and layers; `None` when it lies outside or is empty.
+    pub(crate) fn resolve(&self, mips: u32, layers: u32) -> Option<Subresources> {
+        let inside = |range: &Option<Range<u32>>, count: u32| match range {
+            None => Some((0, count)),
+            Some(r) if r.start < r.end && r.end <= count => Some((r.start, r.end - r.start)),
+            Some(_) => None,
+        };
+        let (mip, mip_count) = inside(&self.mips, mips)?;
+        let (layer, layer_count) = inside(&self.layers, layers)?;
+        Some(Subresources {
+            mip,
+            mips: mip_count,
+            layer,
+            layers: layer_count,
+        })
+    }
+}
+
+/// A rectangle of (mip, layer) pairs. A buffer is the one pair (0, 0).
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Subresources {
+    /// First mip level.
+    pub mip: u32,
+    /// Number of mip levels.
+    pub mips: u32,
+    /// First array layer.
+    pub layer: u32,
+    /// Number of array layers.
+    pub layers: u32,
+}
+
+impl Subresources {
+    pub(crate) const ONE: Subresources = Subresources {
+        mip: 0,
+        mips: 1,
+        layer: 0,
+        layers: 1,
+    };
+
+    pub(crate) fn overlaps(&self, other: &Subresources) -> bool {
+        self.mip < other.mip + other.mips
+            && other.mip < self.mip + self.mips
+            && self.layer < other.layer + other.layers
+            && other.layer < self.layer + self.layers
+    }
+
+    /// Indices into a dense table of a resource with `total_layers` layers, mip-major.
+    pub(crate) fn indices(self, total_layers: u32) -> impl Iterator<Item = usize> {
+        (self.mip..self.mip + self.mips).flat_map(move |mip| {
+            (self.layer..self.layer + self.layers)
+                .map(move |layer| (mip * total_layers + layer) as usize)
+        })
+    }
+
+    pub(crate) fn bits(self) -> u64 {
+        (self.mip as u64) << 48
+            | (self.mips as u64) << 40
+            | (self.layer as u64) << 20
+            | self.layers as u64
+    }
+}

@@ -1,0 +1,188 @@
+//! The plan: what a graph became. Plain data with a stable text form.
+
+use std::fmt;
+use std::ops::Range;
+
+use crate::compile::Edge;
+use crate::error::Warning;
+use crate::graph::{Dispatch, FrameGraph, Work};
+use crate::handle::Subresources;
+use crate::state::State;
+
+/// What a step does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StepKind {
+    /// Begins a compute pass.
+    BeginCompute,
+    /// One dispatch in it.
+    Dispatch,
+    /// Ends it.
+    EndCompute,
+    /// One render pass.
+    Raster,
+    /// A copy between textures or buffers.
+    Copy,
+    /// A clear of a texture, or of a buffer to zero.
+    Clear,
+    /// Bytes from the caller into a buffer.
+    Upload,
+    /// The raw encoder in third-party hands.
+    Foreign,
+}
+
+/// One step of a plan. Its name and transitions are asked of the plan.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// What it does.
+    pub kind: StepKind,
+    pub(crate) node: u32,
+    pub(crate) transitions: Range<u32>,
+}
+
+/// A change of state of a range of a resource.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Transition {
+    pub(crate) resource: u32,
+    /// Which mips and layers.
+    pub range: Subresources,
+    /// What it was used as.
+    pub before: State,
+    /// What the step uses it as.
+    pub after: State,
+    /// Whether wgpu is expected to place a barrier here. Where the state before is not known to the
+    /// graph (undefined, external, kept, foreign) this is false.
+    pub barrier: bool,
+}
+
+/// A scheduled graph, ready to be encoded once.
+///
+/// [`Plan::encode`](crate::Plan::encode) records it; `Display` prints it.
+pub struct Plan<'f> {
+    pub(crate) graph: FrameGraph<'f>,
+    pub(crate) live: Vec<bool>,
+    pub(crate) edges: Vec<Edge>,
+    pub(crate) order: Vec<u32>,
+    pub(crate) steps: Vec<Step>,
+    pub(crate) transitions: Vec<Transition>,
+    pub(crate) warnings: Vec<Warning>,
+}
+
+impl Plan<'_> {
+    /// What is done, in order.
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// The name of the node that a step belongs to; for the ends of a compute pass, of a node beside it.
+    pub fn name(&self, step: &Step) -> &str {
+        &self.graph.nodes[step.node as usize].label
+    }
+
+    /// The states that a step finds and leaves.
+    pub fn transitions(&self, step: &Step) -> &[Transition] {
+        &self.transitions[step.transitions.start as usize..step.transitions.end as usize]
+    }
+
+    /// The name of the resource of a transition.
+    pub fn resource_name(&self, transition: &Transition) -> &str {
+        &self.graph.resources[transition.resource as usize].label
+    }
+
+    /// Nodes that run, in order, as indices in the order of declaration.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// The hazards that the order obeys.
+    pub fn edges(&self) -> &[Edge] {
+        &self.edges
+    }
+
+    /// Whether the n-th declared node runs.
+    pub fn is_live(&self, node: u32) -> bool {
+        self.live.get(node as usize).copied().unwrap_or(false)
+    }
+
+    /// What is legal and probably not meant.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+}
+
+impl fmt::Display for Plan<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for step in &self.steps {
+            let node = &self.graph.nodes[step.node as usize];
+            let inside = if step.kind == StepKind::Dispatch {
+                "  "
+            } else {
+                ""
+            };
+            match step.kind {
+                StepKind::BeginCompute => writeln!(f, "compute")?,
+                StepKind::EndCompute => writeln!(f, "end")?,
+                _ => {
+                    write!(f, "{inside}{} {}", verb(step.kind), node.label)?;
+                    match &node.work {
+                        Work::Compute {
+                            dispatch: Dispatch::Workgroups([x, y, z]),
+                            ..
+                        } => write!(f, " {x}x{y}x{z}")?,
+                        Work::Compute {
+                            dispatch: Dispatch::Indirect { .. },
+                            ..
+                        } => write!(f, " indirect")?,
+                        _ => {}
+                    }
+                    match node.side_effect {
+                        Some(reason) => writeln!(f, " ({reason})")?,
+                        None => writeln!(f)?,
+                    }
+                }
+            }
+            for t in self.transitions(step) {
+                let r = &self.graph.resources[t.resource as usize];
+                let (mips, layers) = r.shape.extent();
+                write!(f, "{inside}  {}", r.label)?;
+                span(f, "mip", t.range.mip, t.range.mips, mips)?;
+                span(f, "layer", t.range.layer, t.range.layers, layers)?;
+                writeln!(
+                    f,
+                    ": {} -> {}{}",
+                    t.before,
+                    t.after,
+                    if t.barrier { ", barrier" } else { "" }
+                )?;
+            }
+        }
+        for export in &self.graph.exports {
+            writeln!(
+                f,
+                "export {} = {}",
+                export.key, self.graph.resources[export.raw.resource as usize].label
+            )?;
+        }
+        Ok(())
+    }
+}
+
+fn verb(kind: StepKind) -> &'static str {
+    match kind {
+        StepKind::BeginCompute => "compute",
+        StepKind::Dispatch => "dispatch",
+        StepKind::EndCompute => "end",
+        StepKind::Raster => "raster",
+        StepKind::Copy => "copy",
+        StepKind::Clear => "clear",
+        StepKind::Upload => "upload",
+        StepKind::Foreign => "foreign",
+    }
+}
+
+fn span(f: &mut fmt::Formatter<'_>, name: &str, first: u32, count: u32, of: u32) -> fmt::Result {
+    match count {
+        _ if count == of => Ok(()),
+        1 => write!(f, " {name} {first}"),
+        _ => write!(f, " {name}s {first}..{}", first + count),
+    }
+}

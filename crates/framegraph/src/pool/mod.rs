@@ -1,0 +1,171 @@
+//! What survives frames: textures, buffers, histories, views, samplers, bind groups.
+
+mod cache;
+mod rings;
+mod store;
+mod timer;
+mod upload;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+pub(crate) use cache::Cache;
+pub(crate) use rings::{Rings, copy};
+pub(crate) use store::{Physical, Store};
+pub use timer::NodeTiming;
+pub(crate) use timer::Timer;
+pub(crate) use upload::Upload;
+
+use crate::desc::{Debug, FrameParams};
+use crate::graph::{Caps, FrameGraph, HistoryStates};
+use crate::handle::Label;
+use crate::{HistoryInfo, Reset};
+
+/// Frames after which what nobody used any more is let go.
+const KEEP: u64 = 16;
+
+/// Owns what outlives a frame. It keeps clones of the device and the queue, makes resources with
+/// them and uploads small data, but never submits.
+///
+/// Encode one plan, submit it, then encode the next: uniform data of a plan is handed to the queue
+/// by [`Plan::encode`](crate::Plan::encode) and takes effect with the next submission.
+pub struct Pool {
+    pub(crate) id: u32,
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    caps: Arc<Caps>,
+    debug: Debug,
+    pub(crate) states: Arc<HistoryStates>,
+    pub(crate) store: Store,
+    pub(crate) rings: Rings,
+    pub(crate) cache: Cache,
+    pub(crate) upload: Upload,
+    pub(crate) timer: Timer,
+    pub(crate) exports: BTreeMap<Label, Physical>,
+    frames: u64,
+}
+
+/// Bytes of the textures and buffers that a pool holds, as their formats and sizes give them; a
+/// driver may add padding. Imported resources are not counted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Memory {
+    /// Of resources that live within a frame.
+    pub transient: u64,
+    /// Of all frames of all histories.
+    pub history: u64,
+    /// Of the buffer for uniform data and uploads.
+    pub upload: u64,
+    /// Each of them.
+    pub resources: Vec<ResourceMemory>,
+}
+
+/// One texture or buffer of a pool.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ResourceMemory {
+    /// Of the resource that was last put there, or of the history.
+    pub name: Label,
+    /// Size and format.
+    pub shape: String,
+    /// Bytes.
+    pub bytes: u64,
+    /// Whether it is a frame of a history.
+    pub history: bool,
+}
+
+impl Pool {
+    /// An empty pool.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Pool {
+        static NEXT: AtomicU32 = AtomicU32::new(1);
+        Pool {
+            id: NEXT.fetch_add(1, Ordering::Relaxed),
+            device: device.clone(),
+            queue: queue.clone(),
+            caps: Arc::new(Caps {
+                features: device.features(),
+                limits: device.limits(),
+            }),
+            debug: Debug::default(),
+            states: Arc::default(),
+            store: Store::default(),
+            rings: Rings::default(),
+            cache: Cache::default(),
+            upload: Upload::default(),
+            timer: Timer::default(),
+            exports: BTreeMap::new(),
+            frames: 0,
+        }
+    }
+
+    /// The levers; they act on graphs begun afterwards.
+    pub fn debug(&mut self) -> &mut Debug {
+        &mut self.debug
+    }
+
+    /// Begins a frame.
+    pub fn frame<'f>(&self, params: FrameParams) -> FrameGraph<'f> {
+        FrameGraph::new(
+            self.id,
+            self.caps.clone(),
+            params,
+            self.debug,
+            self.states.clone(),
+        )
+    }
+
+    /// An exported texture of the plan encoded last; its contents are there once that is submitted,
+    /// and until the next plan is encoded.
+    pub fn exported_texture(&self, key: &str) -> Option<&wgpu::Texture> {
+        self.exports.get(&Label::from(key))?.texture()
+    }
+
+    /// An exported buffer of the plan encoded last; its contents are there once that is submitted,
+    /// and until the next plan is encoded.
+    pub fn exported_buffer(&self, key: &str) -> Option<&wgpu::Buffer> {
+        self.exports.get(&Label::from(key))?.buffer()
+    }
+
+    /// What is known of a history; `None` before a plan with it was encoded.
+    pub fn history(&self, key: &str) -> Option<HistoryInfo> {
+        self.states.get(&Label::from(key)).map(|s| s.info.clone())
+    }
+
+    /// Makes the next frame find no past frames of a history, so that its rule for the first frame
+    /// applies. The reason is kept. Does nothing when there is no such history.
+    pub fn reset_history(&mut self, key: &str, reason: &str) {
+        if let Some(state) = Arc::make_mut(&mut self.states).get_mut(&Label::from(key)) {
+            state.pending = Some(Reset::Asked(reason.into()));
+            state.info.frames = 0;
+            state.info.reset = Reset::Asked(reason.into());
+        }
+    }
+
+    /// What the pool holds.
+    pub fn memory(&self) -> Memory {
+        let mut memory = Memory {
+            upload: self.upload.bytes(),
+            ..Memory::default()
+        };
+        self.store.report(&mut memory);
+        self.rings.report(&mut memory);
+        memory
+    }
+
+    /// GPU time of each node of the plan encoded last, in order, with [`Debug::timestamps`]; empty
+    /// when nothing was measured. Call it after the submission: it waits for the GPU.
+    pub fn timings(&mut self) -> Vec<NodeTiming> {
+        self.timer.read(&self.device, &self.queue)
+    }
+
+    /// Starts the next encode: hands all transient memory back, and now and then lets go of what
+    /// was not used for a while.
+    pub(crate) fn begin_encode(&mut self) {
+        self.exports.clear();
+        self.store.begin();
+        self.frames += 1;
+        if self.frames % KEEP == 0 {
+            self.store.sweep();
+            self.cache.sweep();
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! The states a resource passes through, and what they mean to wgpu.
+
+use std::fmt;
+
+/// How a node touches contents.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Mode {
+    /// Reads them.
+    Read,
+    /// Writes some of them; the rest stays.
+    Modify,
+    /// Writes every texel or byte; what was there is not needed.
+    Overwrite,
+}
+
+impl Mode {
+    pub(crate) fn writes(self) -> bool {
+        self != Mode::Read
+    }
+
+    pub(crate) fn reads(self) -> bool {
+        self != Mode::Overwrite
+    }
+}
+
+/// What a range of a resource is used as during a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum State {
+    /// Nothing yet this frame: a transient or a history before its first write.
+    Undefined,
+    /// What the engine left an imported resource in.
+    External,
+    /// What the last frame left a history in.
+    Kept,
+    /// Sampled or loaded by a shader.
+    Sampled,
+    /// A read-only storage binding.
+    StorageRead,
+    /// A write-only storage texture.
+    StorageWrite,
+    /// A storage buffer or texture that may be read and written.
+    StorageReadWrite,
+    /// A colour attachment.
+    ColorTarget,
+    /// A depth attachment.
+    DepthTarget,
+    /// Source of a copy.
+    CopySource,
+    /// Target of a copy, a fill or an upload.
+    CopyTarget,
+    /// A uniform buffer.
+    Uniform,
+    /// Arguments of an indirect dispatch.
+    Indirect,
+    /// Whatever a foreign node does with it.
+    Foreign,
+}
+
+impl State {
+    /// Whether the state before is known to the graph.
+    fn is_known(self) -> bool {
+        !matches!(
+            self,
+            State::Undefined | State::External | State::Kept | State::Foreign
+        )
+    }
+
+    fn is_inclusive(self) -> bool {
+        matches!(
+            self,
+            State::Sampled
+                | State::StorageRead
+                | State::CopySource
+                | State::Uniform
+                | State::Indirect
+        )
+    }
+
+    /// Whether wgpu will place a barrier between two known states: they differ, or an exclusive
+    /// state follows itself (attachments too, as on Vulkan).
+    pub fn needs_barrier(before: State, after: State) -> bool {
+        before.is_known() && after.is_known() && (before != after || !after.is_inclusive())
+    }
+
+    pub(crate) fn texture_usage(self) -> wgpu::TextureUsages {
+        use wgpu::TextureUsages as U;
+        match self {
+            State::Sampled => U::TEXTURE_BINDING,
+            State::StorageRead | State::StorageWrite | State::StorageReadWrite => {
+                U::STORAGE_BINDING
+            }
+            State::ColorTarget | State::DepthTarget => U::RENDER_ATTACHMENT,
+            State::CopySource => U::COPY_SRC,
+            State::CopyTarget => U::COPY_DST,
+            _ => U::empty(),
+        }
+    }
+
+    pub(crate) fn buffer_usage(self) -> wgpu::BufferUsages {
+        use wgpu::BufferUsages as U;
+        match self {
+            State::StorageRead | State::StorageWrite | State::StorageReadWrite => U::STORAGE,
+            State::Uniform => U::UNIFORM,
+            State::Indirect => U::INDIRECT,
+            State::CopySource => U::COPY_SRC,
+            State::CopyTarget => U::COPY_DST,
+            _ => U::empty(),
+        }
+    }
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            State::Undefined => "undefined",
+            State::External => "external",
+            State::Kept => "kept",
+            State::Sampled => "sampled",
+            State::StorageRead => "storage-read",
+            State::StorageWrite => "storage-write",
+            State::StorageReadWrite => "storage-read-write",
+            State::ColorTarget => "color-target",
+            State::DepthTarget => "depth-target",
+            State::CopySource => "copy-source",
+            State::CopyTarget => "copy-target",
+            State::Uniform => "uniform",
+            State::Indirect => "indirect",
+            State::Foreign => "foreign",
+        })
+    }
+}
