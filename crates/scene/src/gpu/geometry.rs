@@ -56,17 +56,30 @@ pub(crate) struct Lists {
     pub previous: u32,
 }
 
+/// Which meshes each pose gives new vertices.
+pub(crate) fn deforming(scene: &Scene) -> Vec<bool> {
+    let mut deforms = vec![false; scene.meshes.len()];
+    for deformer in &scene.animation.deformers {
+        if let Some(deforms) = deforms.get_mut(deformer.mesh as usize) {
+            *deforms = true;
+        }
+    }
+    deforms
+}
+
 /// Flattens the meshes and builds the BVH of those that do not deform; the others' places in
 /// the lists are left zero.
 pub(crate) fn flatten(
     scene: &Scene,
     quality: BuildQuality,
 ) -> Result<(Vec<MeshPlace>, Lists), GpuSceneError> {
+    let deforms = deforming(scene);
     let trees: Vec<Option<Bvh>> = scene
         .meshes
         .par_iter()
-        .map(|mesh| {
-            let still = !mesh.deforms;
+        .zip(&deforms)
+        .map(|(mesh, deforms)| {
+            let still = !deforms;
             still
                 .then(|| Bvh::over_triangles(&mesh.positions, &mesh.indices, quality))
                 .flatten()
@@ -83,13 +96,18 @@ pub(crate) fn flatten(
         previous: 0,
     };
     let mut places = Vec::with_capacity(scene.meshes.len());
-    for (mesh, tree) in scene.meshes.iter().zip(&trees) {
-        places.push(append(&mut lists, mesh, tree.as_ref())?);
+    for ((mesh, tree), deforms) in scene.meshes.iter().zip(&trees).zip(deforms) {
+        places.push(append(&mut lists, mesh, tree.as_ref(), deforms)?);
     }
     Ok((places, lists))
 }
 
-fn append(lists: &mut Lists, mesh: &Mesh, tree: Option<&Bvh>) -> Result<MeshPlace, GpuSceneError> {
+fn append(
+    lists: &mut Lists,
+    mesh: &Mesh,
+    tree: Option<&Bvh>,
+    deforms: bool,
+) -> Result<MeshPlace, GpuSceneError> {
     let mut place = MeshPlace {
         first_triangle: lists.triangles.len() as u32,
         triangle_count: mesh.indices.len() as u32,
@@ -128,7 +146,7 @@ fn append(lists: &mut Lists, mesh: &Mesh, tree: Option<&Bvh>) -> Result<MeshPlac
         let triangles = lists.triangles.len() + mesh.indices.len();
         lists.triangles.resize(triangles, [0; 12]);
     }
-    if mesh.deforms {
+    if deforms {
         place.previous = lists.previous;
         lists.previous += mesh.positions.len() as u32;
     }

@@ -157,11 +157,10 @@ impl GpuScene {
 
         let still_nodes = (lists.nodes.len() * 4) as u64 / crate::bvh::NODE_BYTES;
         // The top level has fewer nodes than instances, a mesh far fewer than triangles.
-        let deforming: u64 = scene
-            .meshes
+        let deforming: u64 = places
             .iter()
-            .filter(|m| m.deforms)
-            .map(|m| m.indices.len() as u64)
+            .filter(|place| place.previous != layout::NONE)
+            .map(|place| u64::from(place.triangle_count))
             .sum();
         let node_room = still_nodes + scene.instances.len() as u64 + deforming / 4 + 1;
         let store =
