@@ -3,20 +3,33 @@
 #![warn(missing_docs)]
 
 mod camera;
+mod context;
 pub mod diagnostics;
+mod dispatch;
 mod frame_input;
 mod host;
+mod kernel_plan;
 pub mod params;
+mod pass;
+mod pass_frame;
 pub mod port;
+mod readback;
 pub mod signal;
+mod uniform;
 pub mod wgsl;
 
 pub use camera::{Camera, jittered};
+pub use context::{BuildContext, BuildError, RasterOptions};
+pub use dispatch::Dispatch;
 pub use frame_input::FrameInput;
 pub use host::Host;
 pub use params::{
     ChoiceType, ErasedParams, IntoRange, NoParams, ParamDef, ParamError, ParamKind, ParamType,
     Params, Value,
 };
+pub use pass::{AnyPass, Bypass, BypassKind, Filter, Needs, Pass, SkySide, build_any};
+pub use pass_frame::{PassFrame, RecordError, Stat, Upstream};
 pub use port::{FirstFrame, Port, PortSignal, Resolution};
+pub use readback::{ReadbackError, readback};
 pub use signal::{Signal, SignalDef};
+pub use uniform::UniformValue;

@@ -13,22 +13,7 @@ pub use compose::{Composed, Location, compose};
 pub use error::{ShaderError, ShaderLabel};
 pub use modules::Modules;
 
-/// The candidate most like `name`, when one is near enough to be meant.
-pub(crate) fn nearest<'a>(
-    name: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
-    let mut best = None;
-    let mut best_score = 0.6;
-    for candidate in candidates {
-        let score = strsim::jaro_winkler(&name.to_lowercase(), &candidate.to_lowercase());
-        if score > best_score {
-            best_score = score;
-            best = Some(candidate);
-        }
-    }
-    best
-}
+pub(crate) use crate::diagnostics::nearest;
 
 /// `; did you mean …?`, or nothing.
 pub(crate) fn did_you_mean(nearest: Option<&str>) -> String {
