@@ -14,7 +14,8 @@ const FLOOR: f64 = 0.02;
 pub struct BlockError {
     /// mean(image) / mean(reference) - 1, over all pixels and channels.
     pub mean: f64,
-    /// Median over blocks and channels of |x - r| / max(r, 0.02 mean(reference)).
+    /// Median over blocks of |x - r| / max(r, 0.02 mean(reference)), x and r the means of a block
+    /// over its pixels and channels.
     pub median: f64,
     /// 95th percentile of the same, interpolated linearly between ranks.
     pub p95: f64,
@@ -47,8 +48,10 @@ pub fn block_error(image: &Image, reference: &Image) -> Result<BlockError, Metri
         .block_means(BLOCK)
         .into_iter()
         .zip(reference.block_means(BLOCK));
+    let of_channels = |pixel: [f64; 3]| pixel.iter().sum::<f64>() / 3.0;
     let mut errors: Vec<f64> = blocks
-        .flat_map(|(x, r)| [0, 1, 2].map(|c| (x[c] - r[c]).abs() / r[c].max(floor)))
+        .map(|(x, r)| (of_channels(x), of_channels(r)))
+        .map(|(x, r)| (x - r).abs() / r.max(floor))
         .collect();
     errors.sort_by(f64::total_cmp);
     Ok(BlockError {

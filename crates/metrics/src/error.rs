@@ -97,13 +97,13 @@ pub enum MetricsError {
         factor: u32,
     },
     /// A name that is none of [`crate::Metric::ALL`].
-    #[error("there is no metric '{name}'; there are mse, rmse, relmse, psnr, ssim")]
+    #[error("there is no metric `{name}`; there are mse, rmse, relmse, psnr, ssim")]
     UnknownMetric {
         /// The name given.
         name: String,
     },
     /// A file whose extension is not one that can be read or written.
-    #[error("{path}: not an image file this program knows (known: {known})", path = path.display())]
+    #[error("`{path}`: not an image file this program knows (known: {known})", path = path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -111,7 +111,7 @@ pub enum MetricsError {
         known: &'static str,
     },
     /// The operating system refused.
-    #[error("{path}: cannot {action}: {source}", path = path.display())]
+    #[error("cannot {action} `{path}`: {source}", path = path.display())]
     Io {
         /// The file.
         path: PathBuf,
@@ -121,7 +121,7 @@ pub enum MetricsError {
         source: std::io::Error,
     },
     /// The file is damaged or holds no RGB image.
-    #[error("{path}: {message}", path = path.display())]
+    #[error("`{path}`: {message}", path = path.display())]
     Format {
         /// The file.
         path: PathBuf,

@@ -82,7 +82,10 @@ fn exr_layers_and_channel_orders() {
         if found {
             assert_eq!(read(&path).unwrap().data, [[1.0, 2.0, 3.0]; 2]);
         } else {
-            assert_eq!(message(&path), "FILE: no channels R, G, B; it has Z, B, R");
+            assert_eq!(
+                message(&path),
+                "`FILE`: no channels R, G, B; it has Z, B, R"
+            );
         }
     }
 }
@@ -126,22 +129,22 @@ fn hdr_is_read_as_linear() {
 fn bad_files_say_why() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    assert!(message(&at("missing.exr")).starts_with("FILE: cannot read: "));
+    assert!(message(&at("missing.exr")).starts_with("cannot read `FILE`: "));
     assert_eq!(
         message(&at("a.jpg")),
-        "FILE: not an image file this program knows (known: .exr, .png, .hdr)"
+        "`FILE`: not an image file this program knows (known: .exr, .png, .hdr)"
     );
     write_exr(at("a.exr"), &gradient(40, 40)).unwrap();
     let whole = std::fs::read(at("a.exr")).unwrap();
     for length in [0, 3, 100, whole.len() / 2] {
         std::fs::write(at("cut.exr"), &whole[..length]).unwrap();
         assert!(
-            message(&at("cut.exr")).starts_with("FILE: "),
+            message(&at("cut.exr")).starts_with("`FILE`: "),
             "{length} bytes"
         );
     }
     std::fs::write(at("text.png"), "not a picture").unwrap();
-    assert!(message(&at("text.png")).starts_with("FILE: "));
+    assert!(message(&at("text.png")).starts_with("`FILE`: "));
 }
 
 #[test]
@@ -157,7 +160,7 @@ fn a_failed_write_leaves_the_old_file_and_nothing_else() {
         .unwrap_err()
         .to_string();
     assert!(
-        text.starts_with(&format!("{}: cannot write: ", nowhere.display())),
+        text.starts_with(&format!("cannot write `{}`: ", nowhere.display())),
         "{text}"
     );
     assert_eq!(names(folder.path()), ["a.png"]);
