@@ -1,0 +1,42 @@
+//! Running the program in tests.
+#![allow(dead_code, reason = "each test file uses its own part of this")]
+
+use std::process::Command;
+
+/// What a run gave.
+pub struct Run {
+    pub code: i32,
+    pub out: String,
+    pub err: String,
+}
+
+pub const NO_ADAPTER: &str = "error: no graphics adapter: neither Vulkan, Metal nor DirectX 12 \
+    offers one here; Mesa's software Vulkan driver runs without a GPU (cargo xtask setup installs it)";
+
+pub fn scumble(args: &[&str]) -> Run {
+    run(Command::new(env!("CARGO_BIN_EXE_scumble")).args(args))
+}
+
+/// With the Vulkan loader pointed at no driver, as on a machine that has none.
+pub fn without_driver(args: &[&str]) -> Run {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scumble"));
+    run(command
+        .args(args)
+        .env("VK_DRIVER_FILES", "/nowhere")
+        .env("VK_ICD_FILENAMES", "/nowhere"))
+}
+
+fn run(command: &mut Command) -> Run {
+    let output = command.env_remove("SCUMBLE_ADAPTER").output().unwrap();
+    Run {
+        code: output.status.code().unwrap(),
+        out: String::from_utf8(output.stdout).unwrap(),
+        err: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// The text without its last line's end, and without what a Vulkan driver says of its own.
+pub fn text(text: &str) -> String {
+    let ours = |line: &&str| !line.contains("XDG_RUNTIME_DIR");
+    text.lines().filter(ours).collect::<Vec<_>>().join("\n")
+}
