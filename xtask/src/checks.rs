@@ -1,0 +1,178 @@
+//! What a change must pass.
+
+use crate::command::{Done, cargo, failure, output, root, run, scumble, typed};
+use crate::setup;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::time::Instant;
+
+type Step = (&'static str, fn() -> Done);
+
+/// Everything but the demo, each step timed.
+pub fn ci() -> Done {
+    let steps: [Step; 5] = [
+        ("format", || run(cargo(&["fmt", "--all", "--check"]))),
+        ("lints", lints),
+        ("documentation", documentation),
+        ("tests", || test(false)),
+        ("graphs", graphs),
+    ];
+    let mut summary = Vec::new();
+    for (name, step) in steps {
+        let start = Instant::now();
+        step()?;
+        summary.push(format!("  {name}: {:.0} s", start.elapsed().as_secs_f64()));
+    }
+    println!("\nAll passed:\n{}", summary.join("\n"));
+    Ok(())
+}
+
+fn lints() -> Done {
+    run(cargo(&[
+        "clippy",
+        "--quiet",
+        "--workspace",
+        "--all-targets",
+        "--",
+        "-D",
+        "warnings",
+    ]))
+}
+
+fn documentation() -> Done {
+    let mut doc = cargo(&["doc", "--quiet", "--workspace", "--no-deps"]);
+    doc.env("RUSTDOCFLAGS", "-D warnings");
+    run(doc)
+}
+
+/// Every test of the workspace, and one line at the end that counts them.
+pub fn test(full: bool) -> Done {
+    setup::run()?;
+    let mut tests = cargo(&["test", "--workspace", "--no-fail-fast"]);
+    if full {
+        tests.env("SCUMBLE_FULL", "1");
+    }
+    eprintln!(
+        "$ {}{}",
+        if full { "SCUMBLE_FULL=1 " } else { "" },
+        typed(&tests)
+    );
+    let start = Instant::now();
+    let cannot = |e: std::io::Error| failure(format!("cargo test: {e}"));
+    let mut child = tests.stdout(Stdio::piped()).spawn().map_err(cannot)?;
+    let mut count = Count::default();
+    for line in child
+        .stdout
+        .take()
+        .into_iter()
+        .flat_map(|out| BufReader::new(out).lines())
+    {
+        let line = line.map_err(cannot)?;
+        println!("{line}");
+        count.add(&line);
+    }
+    let status = child.wait().map_err(cannot)?;
+    println!(
+        "\n{} tests passed, {} failed, {} ignored, in {:.0} s",
+        count.passed,
+        count.failed,
+        count.ignored,
+        start.elapsed().as_secs_f64()
+    );
+    if status.success() {
+        Ok(())
+    } else {
+        Err(failure(format!("cargo test: {status}")))
+    }
+}
+
+/// The sums over the `test result:` lines.
+#[derive(Debug, Default, PartialEq)]
+struct Count {
+    passed: u64,
+    failed: u64,
+    ignored: u64,
+}
+
+impl Count {
+    fn add(&mut self, line: &str) {
+        let Some(result) = line.strip_prefix("test result: ") else {
+            return;
+        };
+        for part in result.split(['.', ';']) {
+            match part.trim().split_once(' ') {
+                Some((n, "passed")) => self.passed += n.parse::<u64>().unwrap_or(0),
+                Some((n, "failed")) => self.failed += n.parse::<u64>().unwrap_or(0),
+                Some((n, "ignored")) => self.ignored += n.parse::<u64>().unwrap_or(0),
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Checks every file in `graphs/`, and renders a small image with each that is a whole pipeline.
+/// (A file with inputs is a part for others.)
+fn graphs() -> Done {
+    setup::run()?;
+    let into = root().join("target/ci/graphs");
+    for file in graph_files(&root().join("graphs"))? {
+        let shown = file
+            .strip_prefix(root())
+            .unwrap_or(&file)
+            .display()
+            .to_string();
+        let report = output(scumble(&["check", &shown, "--json"]))?;
+        let report: serde_json::Value = serde_json::from_str(&report)
+            .map_err(|e| failure(format!("scumble check {shown} --json: {e}")))?;
+        if report["inputs"]
+            .as_array()
+            .is_some_and(|inputs| !inputs.is_empty())
+        {
+            continue;
+        }
+        let folder = into
+            .join(file.file_stem().unwrap_or_default())
+            .display()
+            .to_string();
+        let small = [
+            "--scene", "cornell", "--size", "33x17", "--quiet", "--output", &folder,
+        ];
+        run(scumble(&[&["render", shown.as_str()][..], &small].concat()))?;
+    }
+    Ok(())
+}
+
+fn graph_files(folder: &Path) -> Done<Vec<PathBuf>> {
+    let cannot = |e: std::io::Error| failure(format!("{}: {e}", folder.display()));
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(cannot)? {
+        let path = entry.map_err(cannot)?.path();
+        if path.extension().is_some_and(|e| e == "ron") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Count;
+
+    #[test]
+    fn results_are_summed() {
+        let mut count = Count::default();
+        count.add("test result: ok. 7 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out");
+        count.add("test result: FAILED. 2 passed; 3 failed; 0 ignored; 0 measured");
+        count.add("test some::test ... ok");
+        assert_eq!(
+            count,
+            Count {
+                passed: 9,
+                failed: 3,
+                ignored: 1
+            }
+        );
+    }
+}
