@@ -9,3 +9,4 @@
 // Tracers.
 
 // Filters.
+pub mod bilateral;
