@@ -10,3 +10,4 @@
 
 // Filters.
 pub mod bilateral;
+pub mod jbu;
