@@ -11,3 +11,5 @@
 // Filters.
 pub mod bilateral;
 pub mod jbu;
+#[path = "outlier-reject/mod.rs"]
+pub mod outlier_reject;
