@@ -13,3 +13,4 @@ pub mod bilateral;
 pub mod jbu;
 #[path = "outlier-reject/mod.rs"]
 pub mod outlier_reject;
+pub mod progressive;
