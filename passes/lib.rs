@@ -14,3 +14,4 @@ pub mod jbu;
 #[path = "outlier-reject/mod.rs"]
 pub mod outlier_reject;
 pub mod progressive;
+pub mod recombine;
