@@ -15,3 +15,4 @@ pub mod jbu;
 pub mod outlier_reject;
 pub mod progressive;
 pub mod recombine;
+pub mod tonemap;
