@@ -132,3 +132,253 @@ fn every_node_is_timed() {
     let texels = download(&device, &queue, pool.exported_texture("b").unwrap());
     assert!(texels.iter().all(|&t| t == 3.0));
 }
+
+/// The same graph with and without taps on its intermediates gives the same bits, in each of three
+/// frames of a history.
+/// ```text
+/// h@-1 -> increment -> a (tapped) -> increment -> h (tapped) -> bump -> out => export
+/// ```
+#[test]
+fn taps_change_no_bit() {
+    let Some((device, queue)) = real(wgpu::Features::empty()) else {
+        return;
+    };
+    let k = Kernels::new(&device);
+    let frames = |tap: bool| -> Vec<Vec<f32>> {
+        let mut pool = Pool::new(&device, &queue);
+        (0..3)
+            .map(|frame| {
+                let mut fg = pool.frame(FrameParams { frame, ..FRAME });
+                let h = fg.history_texture("h", R32, 1, First::Clear([0.1; 4]));
+                let (a, out) = (fg.texture("a", R32), fg.texture("out", R32));
+                let a = increment(&mut fg, &k, "first", h.previous[0].unwrap(), a);
+                let current = increment(&mut fg, &k, "second", a, h.current);
+                let out = fg.copy_texture("copy", current, out);
+                let out = bump(&mut fg, &k, "bump", out);
+                fg.export_texture("out", out);
+                // From the second frame on, so that a tap comes to a history that exists.
+                if tap && frame > 0 {
+                    fg.export_texture("tap a", a);
+                    fg.export_texture("tap h", current);
+                    fg.export_texture("tap previous", h.previous[0].unwrap());
+                }
+                let plan = fg.compile().unwrap();
+                run(&device, &queue, &mut pool, plan);
+                download(&device, &queue, pool.exported_texture("out").unwrap())
+            })
+            .collect()
+    };
+    let plain = frames(false);
+    assert_eq!(plain, frames(true));
+    assert_ne!(plain[0], plain[1]);
+}
+
+/// Two render passes over one target: the first clears it and draws the left half, the second draws the
+/// top half where it is nearer (reverse z), with a uniform, a storage buffer and a texture bound by name.
+/// ```text
+/// upload -> corners --\
+/// clear -> tint -> left -> (color.1, depth.1) -> top -> (color.2, depth.2) => export color
+/// ```
+#[test]
+fn raster_nodes_draw() {
+    let Some((device, queue)) = real(wgpu::Features::empty()) else {
+        return;
+    };
+    let raster = RasterKernel::new(
+        &device,
+        &RasterKernelDesc {
+            label: "quad",
+            wgsl: "struct Params { low: vec2f, high: vec2f, z: f32, value: f32 }
+                @group(0) @binding(0) var<uniform> params: Params;
+                @group(0) @binding(1) var<storage, read> corners: array<vec2f>;
+                @group(0) @binding(2) var tint: texture_2d<f32>;
+                @vertex fn vs(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+                    return vec4f(mix(params.low, params.high, corners[i]), params.z, 1.0);
+                }
+                @fragment fn fs(@builtin(position) p: vec4f) -> @location(0) vec4f {
+                    return vec4f(params.value * textureLoad(tint, vec2u(p.xy), 0).x);
+                }",
+            vertex: "vs",
+            fragment: "fs",
+            external_groups: &[],
+            targets: &[wgpu::TextureFormat::R32Float],
+            depth: Some(wgpu::TextureFormat::Depth32Float),
+            depth_compare: wgpu::CompareFunction::Greater,
+            cull: None,
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+        },
+    )
+    .unwrap();
+    let names: Vec<_> = raster
+        .reflection()
+        .bindings
+        .iter()
+        .map(|b| (b.name.as_str(), b.stages))
+        .collect();
+    let (vertex, fragment) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::FRAGMENT);
+    assert_eq!(
+        names,
+        [
+            ("params", vertex | fragment),
+            ("corners", vertex),
+            ("tint", fragment)
+        ]
+    );
+
+    let mut pool = Pool::new(&device, &queue);
+    let mut fg = pool.frame(FRAME);
+    let (color, tint) = (fg.texture("color", R32), fg.texture("tint", R32));
+    let depth = fg.texture(
+        "depth",
+        TextureDesc::d2(wgpu::TextureFormat::Depth32Float, Size::Frame),
+    );
+    let corners = fg.buffer("corners", 32);
+    let strip = [0.0f32, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+    let corners = fg.upload_buffer("upload", corners, bytemuck::cast_slice(&strip).to_vec());
+    let tint = fg.clear_texture("clear", tint, [2.0; 4]);
+    let mut draw = |name: &str, color, depth, load, far, params: [f32; 6]| {
+        let mut node = fg.raster(name, &raster);
+        node.uniform("params", bytemuck::cast_slice(&params))
+            .read_buffer("corners", corners)
+            .read("tint", tint);
+        let color = node.color(0, color, load);
+        let depth = node.depth(depth, far);
+        node.draw(|pass| pass.draw(0..4, 0..1));
+        (color, depth)
+    };
+    let clear = Load::Clear(wgpu::Color {
+        r: 7.0,
+        g: 0.0,
+        b: 0.0,
+        a: 0.0,
+    });
+    let (color, depth) = draw(
+        "left",
+        color,
+        depth,
+        clear,
+        Load::Clear(0.0),
+        [-1.0, -1.0, 0.0, 1.0, 0.6, 1.0],
+    );
+    let (color, _) = draw(
+        "top",
+        color,
+        depth,
+        Load::Load,
+        Load::Load,
+        [-1.0, 0.0, 1.0, 1.0, 0.3, 2.0],
+    );
+    fg.export_texture("color", color);
+    let plan = fg.compile().unwrap();
+    assert_plan!(
+        plan,
+        "
+        upload upload
+          corners: undefined -> copy-target
+        clear clear
+          tint: undefined -> color-target
+        raster left
+          corners: copy-target -> storage-read, barrier
+          tint: color-target -> sampled, barrier
+          color: undefined -> color-target
+          depth: undefined -> depth-target
+        raster top
+          corners: storage-read -> storage-read
+          tint: sampled -> sampled
+          color: color-target -> color-target, barrier
+          depth: depth-target -> depth-target, barrier
+        export color = color
+        "
+    );
+    run(&device, &queue, &mut pool, plan);
+    let texels = download(&device, &queue, pool.exported_texture("color").unwrap());
+    let at = |x: usize, y: usize| texels[y * 64 + x];
+    // Left and top overlap in the top left quarter, where the left one is nearer.
+    assert_eq!(
+        [at(10, 10), at(50, 10), at(10, 50), at(50, 50)],
+        [2.0, 4.0, 2.0, 7.0]
+    );
+}
+
+/// Samplers, hand-made bind groups, and indirect dispatch.
+/// ```text
+/// clear -> source ----------\
+/// upload -> arguments -> sample (group 1: the engine's gain) -> out => export
+/// ```
+#[test]
+fn samplers_external_groups_and_indirect_dispatch() {
+    let Some((device, queue)) = real(wgpu::Features::empty()) else {
+        return;
+    };
+    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: None,
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        }],
+    });
+    let gain = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: 16,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    queue.write_buffer(&gain, 0, bytemuck::cast_slice(&[3.0f32, 0.0, 0.0, 0.0]));
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &layout,
+        entries: &[wgpu::BindGroupEntry {
+            binding: 0,
+            resource: gain.as_entire_binding(),
+        }],
+    });
+    let sample = ComputeKernel::new(
+        &device,
+        &KernelDesc {
+            label: "sample",
+            wgsl: "@group(0) @binding(0) var source: texture_2d<f32>;
+                @group(0) @binding(1) var linear: sampler;
+                @group(0) @binding(2) var out_value: texture_storage_2d<r32float, write>;
+                @group(1) @binding(0) var<uniform> gain: vec4f;
+                @compute @workgroup_size(8, 8) fn main(@builtin(global_invocation_id) id: vec3u) {
+                    let x = textureSampleLevel(source, linear, vec2f(0.5), 0.0).x;
+                    textureStore(out_value, id.xy, vec4f(x * gain.x));
+                }",
+            entry: "main",
+            external_groups: &[(1, &layout)],
+        },
+    )
+    .unwrap();
+    let mut pool = Pool::new(&device, &queue);
+    let mut fg = pool.frame(FRAME);
+    let source = fg.texture(
+        "source",
+        TextureDesc::d2(wgpu::TextureFormat::Rgba16Float, Size::Frame),
+    );
+    let (out, arguments) = (fg.texture("out", R32), fg.buffer("arguments", 12));
+    let source = fg.clear_texture("clear", source, [0.5, 0.0, 0.0, 0.0]);
+    let out = fg.clear_texture("clear out", out, [9.0; 4]);
+    let arguments = fg.upload_buffer(
+        "upload",
+        arguments,
+        bytemuck::cast_slice(&[4u32, 8, 1]).to_vec(),
+    );
+    let mut node = fg.compute("sample", &sample);
+    node.read("source", source)
+        .sampler("linear", &wgpu::SamplerDescriptor::default())
+        .bind_group(1, &group);
+    let out = node.modify("out_value", out);
+    node.dispatch_indirect(arguments, 0);
+    fg.export_texture("out", out);
+    let plan = fg.compile().unwrap();
+    run(&device, &queue, &mut pool, plan);
+    let texels = download(&device, &queue, pool.exported_texture("out").unwrap());
+    // Four workgroups of eight texels cover the left half.
+    assert_eq!((texels[31], texels[32]), (1.5, 9.0));
+}

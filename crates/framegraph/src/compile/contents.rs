@@ -104,7 +104,7 @@ fn report_unwritten(graph: &mut FrameGraph<'_>, access: u32, missing: u32) {
             graph.nodes[b.node as usize].label, b.site
         ),
         Some(b) => format!(
-            "`{}` writes only{} of it: write the rest, or clear it first",
+            "`{}` writes only{} it: write the rest, or clear it first",
             graph.nodes[b.node as usize].label,
             describe(b.range, r.shape.extent())
         ),

@@ -231,3 +231,33 @@ fn read(device: &wgpu::Device, buffer: &wgpu::Buffer) -> Vec<u8> {
     device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
     buffer.slice(..).get_mapped_range().unwrap().to_vec()
 }
+
+/// A literal without its common indentation, for comparison with a plan's text.
+pub fn dedent(text: &str) -> String {
+    let lines: Vec<&str> = text.lines().skip_while(|l| l.trim().is_empty()).collect();
+    let indent = |l: &&str| l.len() - l.trim_start().len();
+    let by = lines
+        .iter()
+        .filter(|l| !l.trim().is_empty())
+        .map(indent)
+        .min()
+        .unwrap_or(0);
+    let text: String = lines
+        .iter()
+        .map(|l| format!("{}\n", l.get(by..).unwrap_or("")))
+        .collect();
+    format!("{}\n", text.trim_end())
+}
+
+/// Compares a plan's text with a literal.
+#[macro_export]
+macro_rules! assert_plan {
+    ($plan:expr, $text:expr) => {
+        pretty(&$plan.to_string(), &dedent($text))
+    };
+}
+
+#[track_caller]
+pub fn pretty(got: &str, want: &str) {
+    assert!(got == want, "the plan is\n{got}\nand should be\n{want}");
+}
