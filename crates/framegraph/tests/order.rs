@@ -40,8 +40,11 @@ fn op() -> impl Strategy<Value = Op> {
     ]
 }
 
+/// (texture, mip) pairs.
+type Places = Vec<(usize, u32)>;
+
 /// (reads, writes) as (texture, mip) pairs, said independently of the graph.
-fn touches(op: Op) -> (Vec<(usize, u32)>, Vec<(usize, u32)>) {
+fn touches(op: Op) -> (Places, Places) {
     match op {
         Op::Produce(to) => (vec![], vec![to]),
         Op::Increment { from, to } => (vec![from], vec![to]),

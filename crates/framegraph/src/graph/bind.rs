@@ -1,10 +1,11 @@
 //! Binding by name: what the node gives is checked against what the shader declares.
 
+use super::fit::{dimension_fits, noun, remedy, samples_as};
 use super::{Bind, Bound, FrameGraph, Resource, Shape};
 use crate::error::{Code, GraphError, Site, nearest, suggest};
 use crate::handle::{Buffer, Raw, Subresources, Texture, View};
 use crate::kernel::Interface;
-use crate::reflect::{BindingAccess, BindingKind, Sample};
+use crate::reflect::{BindingAccess, BindingKind};
 use crate::state::{Mode, State};
 
 impl FrameGraph<'_> {
@@ -406,74 +407,4 @@ impl FrameGraph<'_> {
 
 fn n_range(range: &std::ops::Range<u32>) -> std::ops::Range<usize> {
     range.start as usize..range.end as usize
-}
-
-fn noun(kind: &BindingKind) -> &'static str {
-    match kind {
-        BindingKind::Uniform(_) => "a uniform",
-        BindingKind::Storage { .. } => "a storage buffer",
-        BindingKind::Sampled { .. } => "a sampled texture",
-        BindingKind::StorageTexture { .. } => "a storage texture",
-        BindingKind::Sampler { comparison: false } => "a sampler",
-        BindingKind::Sampler { comparison: true } => "a comparison sampler",
-    }
-}
-
-fn remedy(kind: &BindingKind) -> &'static str {
-    match kind {
-        BindingKind::Uniform(_) => "give it bytes with `uniform`, or a buffer with `read_buffer`",
-        BindingKind::Storage { .. } => {
-            "give it a buffer with `read_buffer`, `modify_buffer` or `overwrite_buffer`"
-        }
-        BindingKind::Sampled { .. } => "give it a texture with `read`",
-        BindingKind::StorageTexture { .. } => {
-            "give it a texture with `read`, `modify` or `overwrite`"
-        }
-        BindingKind::Sampler { .. } => "give it a descriptor with `sampler`",
-    }
-}
-
-/// Whether a format can be read as the shader reads it; else what to do.
-fn samples_as(
-    format: wgpu::TextureFormat,
-    sample: Sample,
-    filtered: bool,
-    features: wgpu::Features,
-) -> Result<(), &'static str> {
-    use wgpu::TextureSampleType as T;
-    let aspect = format
-        .has_depth_aspect()
-        .then_some(wgpu::TextureAspect::DepthOnly);
-    match (sample, format.sample_type(aspect, Some(features))) {
-        (Sample::Float, Some(T::Float { filterable: false } | T::Depth)) if filtered => Err(
-            "the format cannot be filtered on this device: read it with textureLoad, or use a 16-bit float format",
-        ),
-        (Sample::Float, Some(T::Float { .. } | T::Depth))
-        | (Sample::Uint, Some(T::Uint))
-        | (Sample::Sint, Some(T::Sint))
-        | (Sample::Depth, Some(T::Depth)) => Ok(()),
-        _ => Err("declare the texture in the shader with the type of the format's texels"),
-    }
-}
-
-/// Whether a range can be seen through a binding of this dimension; else what to do.
-fn dimension_fits(
-    dimension: wgpu::TextureViewDimension,
-    depth: u32,
-    range: Subresources,
-    state: State,
-) -> Result<(), &'static str> {
-    use wgpu::TextureViewDimension as D;
-    if state != State::Sampled && range.mips != 1 {
-        return Err("a storage binding sees one mip: give it `.mip(n)`");
-    }
-    match dimension {
-        D::D2 if depth == 0 && range.layers == 1 => Ok(()),
-        D::D2 if depth == 0 => Err("give it one layer: `.layer(n)`"),
-        D::D2Array if depth == 0 => Ok(()),
-        D::Cube if depth == 0 && range.layers == 6 => Ok(()),
-        D::CubeArray if depth == 0 && range.layers % 6 == 0 => Ok(()),
-        D::D3 if depth > 0 => Ok(()),
-        _ => Err("declare the texture in the shader with the dimension of the view"),
-    }
 }

@@ -61,7 +61,7 @@ impl FrameGraph<'_> {
     /// The shape of a buffer, reporting impossible sizes.
     pub(crate) fn buffer_shape(&mut self, label: &Label, bytes: u64, site: Site) -> Shape {
         let max = self.caps.limits.max_buffer_size;
-        if bytes == 0 || bytes > max || bytes % 4 != 0 {
+        if bytes == 0 || bytes > max || !bytes.is_multiple_of(4) {
             self.fail(
                 Code::Size,
                 format!("`{label}` is {bytes} bytes"),

@@ -3,6 +3,7 @@
 mod access;
 mod bind;
 mod check;
+mod fit;
 mod foreign;
 mod history;
 mod nodes;

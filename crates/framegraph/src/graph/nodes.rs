@@ -179,7 +179,7 @@ impl ComputeNode<'_, '_> {
             return self.end(Dispatch::Workgroups([0; 3]));
         };
         let bytes = self.graph.buffer_size(arguments);
-        if offset % 4 != 0 || offset + 12 > bytes {
+        if !offset.is_multiple_of(4) || offset + 12 > bytes {
             let label = &self.graph.resources[resource].label;
             let message = format!(
                 "the arguments at byte {offset} of `{label}` are not 12 aligned bytes inside it"

@@ -163,7 +163,7 @@ impl Pool {
         self.exports.clear();
         self.store.begin();
         self.frames += 1;
-        if self.frames % KEEP == 0 {
+        if self.frames.is_multiple_of(KEEP) {
             self.store.sweep();
             self.cache.sweep();
         }
