@@ -6,6 +6,7 @@ mod camera;
 mod context;
 pub mod diagnostics;
 mod dispatch;
+pub mod file;
 mod frame_input;
 mod host;
 mod kernel_plan;
@@ -14,13 +15,18 @@ mod pass;
 mod pass_frame;
 pub mod port;
 mod readback;
+pub mod registry;
+pub mod resolve;
 pub mod signal;
 mod uniform;
 pub mod wgsl;
+mod wire;
 
 pub use camera::{Camera, jittered};
 pub use context::{BuildContext, BuildError, RasterOptions};
 pub use dispatch::Dispatch;
+pub use diagnostics::{Diagnostic, Diagnostics};
+pub use file::GraphFile;
 pub use frame_input::FrameInput;
 pub use host::Host;
 pub use params::{
@@ -31,5 +37,9 @@ pub use pass::{AnyPass, Bypass, BypassKind, Filter, Needs, Pass, SkySide, build_
 pub use pass_frame::{PassFrame, RecordError, Stat, Upstream};
 pub use port::{FirstFrame, Port, PortSignal, Resolution};
 pub use readback::{ReadbackError, readback};
+pub use registry::{PassType, Registry};
+pub use resolve::{
+    Edits, GraphInput, ImplicitWire, Resolved, ResolvedPass, Source, resolve, resolve_file, resolve_text,
+};
 pub use signal::{Signal, SignalDef};
 pub use uniform::UniformValue;

@@ -16,7 +16,7 @@ pub use erased::ErasedParams;
 pub use kinds::{ChoiceType, IntoRange, ParamType};
 
 /// A struct of parameters, made by [`params!`](crate::params!).
-pub trait Params: Default + Clone + PartialEq + std::fmt::Debug + Send + 'static {
+pub trait Params: Default + Clone + PartialEq + std::fmt::Debug + Send + Sync + 'static {
     /// The definitions, in the order of the struct.
     fn defs() -> &'static [ParamDef];
 

@@ -209,7 +209,15 @@ impl ParamDef {
 
     /// The value in the units of graph files, from one as the struct and the shader hold it.
     pub fn written(&self, value: &Value) -> Value {
-        self.converted(value, |radians| f64::from((radians as f32).to_degrees()))
+        self.converted(value, |radians| {
+            // 60 degrees shall come back as 60 and not as 60.000004, where both are the same f32.
+            let degrees = radians.to_degrees();
+            let short = (degrees * 1e4).round() / 1e4;
+            match (short as f32).to_radians() == radians as f32 {
+                true => short,
+                false => degrees,
+            }
+        })
     }
 
     fn converted(&self, value: &Value, angle: impl Fn(f64) -> f64) -> Value {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::{ParamDef, ParamError, Params, Value};
 
 // What `ErasedParams` asks of the struct inside.
-trait AnyParams: Send + fmt::Debug {
+trait AnyParams: Send + Sync + fmt::Debug {
     fn defs(&self) -> &[ParamDef];
     fn get(&self, name: &str) -> Option<Value>;
     fn set(&mut self, name: &str, value: &Value) -> Result<(), ParamError>;

@@ -1,0 +1,524 @@
+//! One RON value and where it stands.
+//!
+//! Each value is captured raw and decoded by itself, so that one mistake does not hide the next, and
+//! every place is exact: a raw value is a slice of the source, so its place is where it points.
+
+use std::fmt;
+use std::sync::Arc;
+
+use ron::extensions::Extensions;
+use ron::value::RawValue;
+use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+
+use crate::diagnostics::{Diagnostic, Diagnostics, SourceFile, Span, Spanned, code};
+
+/// A RON value, not decoded.
+#[derive(Clone, Debug)]
+pub(crate) struct Node(Span);
+
+/// A RON value, decoded one level deep.
+#[derive(Clone, Debug)]
+pub(crate) enum Shape {
+    /// `(a: 1, b: 2)`.
+    Fields(Vec<(Spanned<String>, Node)>),
+    /// `(1, 2)`.
+    Tuple(Vec<Node>),
+    /// `{"a": 1}`.
+    Map(Vec<(Node, Node)>),
+    /// `[1, 2]`.
+    List(Vec<Node>),
+    /// `"text"`.
+    Text(String),
+    /// `true`.
+    Bool(bool),
+    /// `16`.
+    Int(i64),
+    /// `1.5`.
+    Float(f64),
+    /// `Ratio`.
+    Word(String),
+    /// `grid(8)`, and whatever else RON knows.
+    Other,
+}
+
+impl Node {
+    /// The value that the whole of `source` is.
+    pub(crate) fn of_file(source: &Arc<SourceFile>) -> Result<(Self, Shape), Diagnostic> {
+        let text = source.text();
+        let raw: RawShape = match options().from_str(text) {
+            Ok(raw) => raw,
+            Err(error) => return Err(syntax_error(source, 0, &error)),
+        };
+        let node = Self::new(source, 0, text);
+        let shape = node.shape_of(raw);
+        Ok((node, shape))
+    }
+
+    /// The value that `span` is.
+    pub(crate) fn of_span(span: &Span) -> Result<Self, Diagnostic> {
+        match options().from_str::<&RawValue>(span.text()) {
+            Ok(_) => Ok(Self::new(span.source(), span.start(), span.text())),
+            Err(error) => Err(syntax_error(span.source(), span.start(), &error)),
+        }
+    }
+
+    // `text` starts at `offset` of the source; comments and spaces around the value are left out.
+    fn new(source: &Arc<SourceFile>, offset: usize, text: &str) -> Self {
+        let (start, end) = significant(text);
+        Self(Span::new(source, offset + start..offset + end))
+    }
+
+    fn raw(&self, raw: &RawValue) -> Self {
+        let text = raw.get_ron();
+        Self::new(self.0.source(), self.offset_of(text), text)
+    }
+
+    // Where a slice of the source begins.
+    fn offset_of(&self, slice: &str) -> usize {
+        let base = self.0.source().text().as_ptr() as usize;
+        (slice.as_ptr() as usize).saturating_sub(base)
+    }
+
+    /// Where it stands.
+    pub(crate) fn span(&self) -> &Span {
+        &self.0
+    }
+
+    /// Decodes it one level deep.
+    pub(crate) fn shape(&self) -> Shape {
+        let text = self.0.text();
+        match text.chars().next() {
+            Some('(' | '[' | '{') => match options().from_str::<RawShape>(text) {
+                Ok(raw) => self.shape_of(raw),
+                Err(_) => Shape::Other,
+            },
+            Some('"') => self.text(),
+            Some('r') if text.starts_with("r\"") || text.starts_with("r#") => self.text(),
+            Some(c) if c.is_ascii_digit() || matches!(c, '+' | '-' | '.') => {
+                if let Ok(n) = options().from_str(text) {
+                    return Shape::Int(n);
+                }
+                options().from_str(text).map_or(Shape::Other, Shape::Float)
+            }
+            Some(_) => self.word(),
+            None => Shape::Other,
+        }
+    }
+
+    fn text(&self) -> Shape {
+        let text = options().from_str(self.0.text());
+        text.map_or(Shape::Other, Shape::Text)
+    }
+
+    fn word(&self) -> Shape {
+        match self.0.text() {
+            "true" => Shape::Bool(true),
+            "false" => Shape::Bool(false),
+            "inf" | "NaN" => Shape::Float(f64::NAN),
+            // The extension makes `Some(x)` and `x` the same.
+            some if some.starts_with("Some") && some.ends_with(')') => {
+                let inner = options().from_str::<Option<&RawValue>>(some);
+                let inner = inner.ok().flatten().map(|raw| self.raw(raw).shape());
+                inner.unwrap_or(Shape::Other)
+            }
+            word if word.chars().all(|c| c.is_alphanumeric() || c == '_') => {
+                Shape::Word(word.to_owned())
+            }
+            _ => Shape::Other,
+        }
+    }
+
+    fn shape_of(&self, raw: RawShape<'_>) -> Shape {
+        let nodes = |items: Vec<&RawValue>| items.into_iter().map(|item| self.raw(item)).collect();
+        match raw {
+            RawShape::Fields(fields) => Shape::Fields(
+                fields
+                    .into_iter()
+                    .map(|(name, value)| {
+                        let start = self.offset_of(name);
+                        let span = Span::new(self.0.source(), start..start + name.len());
+                        (Spanned::new(name.to_owned(), span), self.raw(value))
+                    })
+                    .collect(),
+            ),
+            RawShape::Map(entries) => {
+                let entries = entries.into_iter();
+                Shape::Map(entries.map(|(k, v)| (self.raw(k), self.raw(v))).collect())
+            }
+            RawShape::Tuple(items) => Shape::Tuple(nodes(items)),
+            RawShape::List(items) => Shape::List(nodes(items)),
+            RawShape::Other => Shape::Other,
+        }
+    }
+
+    /// The inside of `word(inside)`, when it is that.
+    pub(crate) fn argument_of(&self, word: &str) -> Option<&str> {
+        let rest = self.0.text().strip_prefix(word)?.trim();
+        Some(rest.strip_prefix('(')?.strip_suffix(')')?.trim())
+    }
+
+    /// Reports that something else was expected.
+    pub(crate) fn mismatch(&self, expected: &str, diagnostics: &mut Diagnostics) {
+        let message = format!(
+            "expected {expected}, and found {}",
+            self.shape().described()
+        );
+        diagnostics.push(Diagnostic::new(code::SHAPE, message).at(&self.0, ""));
+    }
+
+    /// The text it must be.
+    pub(crate) fn expect_text(
+        &self,
+        what: &str,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Spanned<String>> {
+        match self.shape() {
+            Shape::Text(text) => Some(Spanned::new(text, self.0.clone())),
+            _ => {
+                self.mismatch(&format!("{what} in quotes"), diagnostics);
+                None
+            }
+        }
+    }
+
+    /// The items of the list it must be.
+    pub(crate) fn expect_list(&self, what: &str, diagnostics: &mut Diagnostics) -> Vec<Node> {
+        match self.shape() {
+            Shape::List(items) => items,
+            _ => {
+                self.mismatch(&format!("a list `[…]` of {what}"), diagnostics);
+                Vec::new()
+            }
+        }
+    }
+
+    /// The entries of the map with quoted keys it must be; a key that is there twice is reported.
+    pub(crate) fn expect_map(
+        &self,
+        what: &str,
+        diagnostics: &mut Diagnostics,
+    ) -> Vec<(Spanned<String>, Node)> {
+        let Shape::Map(entries) = self.shape() else {
+            self.mismatch(&format!("a map `{{…}}` of {what}"), diagnostics);
+            return Vec::new();
+        };
+        let mut found = Vec::new();
+        for (key, value) in entries {
+            if let Some(key) = key.expect_text("a key", diagnostics) {
+                found.push((key, value));
+            }
+        }
+        without_duplicates(found, diagnostics)
+    }
+
+    /// The fields it must have; each that is not `known` is reported.
+    pub(crate) fn expect_fields(
+        &self,
+        what: &str,
+        known: &[&str],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<(Spanned<String>, Node)>> {
+        let fields = self.expect_any_fields(what, diagnostics)?;
+        for (name, _) in &fields {
+            if !known.contains(&name.value.as_str()) {
+                let message = format!("{what} has no field `{}`", name.value);
+                let diagnostic = Diagnostic::new(code::UNKNOWN_FIELD, message).at(&name.span, "");
+                diagnostics.push(diagnostic.suggest(&name.value, known.iter().copied(), "fields"));
+            }
+        }
+        Some(fields)
+    }
+
+    /// The fields it must have, whatever they are called.
+    pub(crate) fn expect_any_fields(
+        &self,
+        what: &str,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<(Spanned<String>, Node)>> {
+        match self.shape() {
+            Shape::Fields(fields) => Some(without_duplicates(fields, diagnostics)),
+            Shape::Tuple(items) if items.is_empty() => Some(Vec::new()),
+            _ => {
+                self.mismatch(&format!("{what}: `(field: value, …)`"), diagnostics);
+                None
+            }
+        }
+    }
+}
+
+fn without_duplicates(
+    entries: Vec<(Spanned<String>, Node)>,
+    diagnostics: &mut Diagnostics,
+) -> Vec<(Spanned<String>, Node)> {
+    let mut kept: Vec<(Spanned<String>, Node)> = Vec::new();
+    for (key, value) in entries {
+        match kept.iter().find(|(other, _)| other.value == key.value) {
+            None => kept.push((key, value)),
+            Some((first, _)) => diagnostics.push(
+                Diagnostic::new(code::DUPLICATE, format!("`{}` is there twice", key.value))
+                    .at(&key.span, "the second")
+                    .at(&first.span, "the first"),
+            ),
+        }
+    }
+    kept
+}
+
+impl Shape {
+    /// What it is, for messages.
+    pub(crate) fn described(&self) -> String {
+        match self {
+            Self::Fields(_) => "fields `(name: …)`".to_owned(),
+            Self::Tuple(_) => "a tuple `(…)`".to_owned(),
+            Self::Map(_) => "a map `{…}`".to_owned(),
+            Self::List(_) => "a list `[…]`".to_owned(),
+            Self::Text(text) => format!("the text {text:?}"),
+            Self::Bool(value) => format!("`{value}`"),
+            Self::Int(value) => format!("the integer {value}"),
+            Self::Float(value) if value.is_nan() => "a number that is not finite".to_owned(),
+            Self::Float(value) => format!("the number {value:?}"),
+            Self::Word(word) => format!("the word `{word}`"),
+            Self::Other => "something else".to_owned(),
+        }
+    }
+}
+
+fn options() -> ron::Options {
+    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
+}
+
+fn syntax_error(
+    source: &Arc<SourceFile>,
+    base: usize,
+    error: &ron::error::SpannedError,
+) -> Diagnostic {
+    let text = &source.text()[base..];
+    let offset = |position: ron::error::Position| {
+        let line_start: usize = text
+            .split_inclusive('\n')
+            .take(position.line.saturating_sub(1))
+            .map(str::len)
+            .sum();
+        let rest = &text[line_start.min(text.len())..];
+        let column: usize = rest
+            .chars()
+            .take(position.col.saturating_sub(1))
+            .map(char::len_utf8)
+            .sum();
+        base + line_start + column
+    };
+    let span = Span::new(source, offset(error.span.start)..offset(error.span.end));
+    Diagnostic::new(code::SYNTAX, format!("the text is no RON: {}", error.code)).at(&span, "")
+}
+
+// First and last byte that is no space and no comment.
+fn significant(text: &str) -> (usize, usize) {
+    let (mut start, mut end, mut at) = (text.len(), 0, 0);
+    while let Some(c) = text[at..].chars().next() {
+        let rest = &text[at..];
+        let length = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            block_comment(rest)
+        } else if c.is_whitespace() {
+            c.len_utf8()
+        } else {
+            start = start.min(at);
+            let length = if c == '"' { quoted(rest) } else { c.len_utf8() };
+            end = at + length;
+            length
+        };
+        at += length;
+    }
+    (start.min(end), end)
+}
+
+// Length of a block comment, which may hold others.
+fn block_comment(text: &str) -> usize {
+    let (mut depth, mut at) = (0usize, 0);
+    while at < text.len() {
+        if text[at..].starts_with("/*") {
+            (depth, at) = (depth + 1, at + 2);
+        } else if text[at..].starts_with("*/") {
+            (depth, at) = (depth - 1, at + 2);
+            if depth == 0 {
+                return at;
+            }
+        } else {
+            at += text[at..].chars().next().map_or(1, char::len_utf8);
+        }
+    }
+    text.len()
+}
+
+// Length of a quoted text.
+fn quoted(text: &str) -> usize {
+    let mut escaped = false;
+    for (i, c) in text.char_indices().skip(1) {
+        match c {
+            _ if escaped => escaped = false,
+            '\\' => escaped = true,
+            '"' => return i + 1,
+            _ => {}
+        }
+    }
+    text.len()
+}
+
+enum RawShape<'de> {
+    Fields(Vec<(&'de str, &'de RawValue)>),
+    Map(Vec<(&'de RawValue, &'de RawValue)>),
+    Tuple(Vec<&'de RawValue>),
+    List(Vec<&'de RawValue>),
+    Other,
+}
+
+// A field name is an identifier, which RON gives as a slice of the text.
+struct Identifier<'de>(&'de str);
+
+impl<'de> Deserialize<'de> for Identifier<'de> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct IdentifierVisitor;
+        impl<'de> Visitor<'de> for IdentifierVisitor {
+            type Value = Identifier<'de>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a field name")
+            }
+
+            fn visit_borrowed_str<E>(self, name: &'de str) -> Result<Self::Value, E> {
+                Ok(Identifier(name))
+            }
+        }
+        deserializer.deserialize_identifier(IdentifierVisitor)
+    }
+}
+
+impl<'de> Deserialize<'de> for RawShape<'de> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        // Captured first: its first character says what it is, which the visitor is not told.
+        let raw = <&RawValue>::deserialize(deserializer)?;
+        let text = raw.get_ron();
+        let (start, end) = significant(text);
+        let inner = &text[start..end];
+        let shape = match inner.chars().next() {
+            Some('(') => Paren::deserialize_from(inner),
+            Some('{') => options()
+                .from_str(inner)
+                .map(|Pairs(pairs)| RawShape::Map(pairs)),
+            Some('[') => options().from_str(inner).map(RawShape::List),
+            _ => Ok(RawShape::Other),
+        };
+        shape.map_err(serde::de::Error::custom)
+    }
+}
+
+struct Pairs<'de>(Vec<(&'de RawValue, &'de RawValue)>);
+
+impl<'de> Deserialize<'de> for Pairs<'de> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct PairsVisitor;
+        impl<'de> Visitor<'de> for PairsVisitor {
+            type Value = Pairs<'de>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a map")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut pairs = Vec::new();
+                while let Some(pair) = map.next_entry()? {
+                    pairs.push(pair);
+                }
+                Ok(Pairs(pairs))
+            }
+        }
+        deserializer.deserialize_map(PairsVisitor)
+    }
+}
+
+// `(…)`: with names or without.
+struct Paren;
+
+impl Paren {
+    fn deserialize_from(text: &str) -> ron::error::SpannedResult<RawShape<'_>> {
+        let mut deserializer = ron::Deserializer::from_str_with_options(text, &options())?;
+        let shape = deserializer.deserialize_any(Paren);
+        let shape = shape.map_err(|error| deserializer.span_error(error))?;
+        Ok(shape)
+    }
+}
+
+impl<'de> Visitor<'de> for Paren {
+    type Value = RawShape<'de>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("fields or a tuple")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut fields = Vec::new();
+        while let Some((Identifier(name), value)) = map.next_entry()? {
+            fields.push((name, value));
+        }
+        Ok(RawShape::Fields(fields))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+        let mut items = Vec::new();
+        while let Some(item) = seq.next_element()? {
+            items.push(item);
+        }
+        Ok(RawShape::Tuple(items))
+    }
+
+    fn visit_unit<E>(self) -> Result<Self::Value, E> {
+        Ok(RawShape::Tuple(Vec::new()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn node(text: &str) -> Node {
+        let source = SourceFile::new("t", text);
+        Node::of_span(&Span::new(&source, 0..text.len())).unwrap()
+    }
+
+    #[test]
+    fn places_are_exact_with_comments_everywhere() {
+        let text = "/* a */ ( // b\n x /* c */ : /* d ( */ 1.5 /* e */, y: \"q//)\" // f\n)";
+        let source = SourceFile::new("t", text);
+        let (top, shape) = Node::of_file(&source).unwrap();
+        assert_eq!(top.span().text().chars().next(), Some('('));
+        let Shape::Fields(fields) = shape else {
+            panic!("fields")
+        };
+        let texts: Vec<_> = fields
+            .iter()
+            .map(|(k, v)| (k.span.text(), v.span().text()))
+            .collect();
+        assert_eq!(texts, [("x", "1.5"), ("y", "\"q//)\"")]);
+    }
+
+    #[test]
+    fn shapes() {
+        assert!(matches!(node("(1, 2)").shape(), Shape::Tuple(items) if items.len() == 2));
+        assert!(matches!(node("()").shape(), Shape::Tuple(items) if items.is_empty()));
+        assert!(matches!(node("[1, 2,]").shape(), Shape::List(items) if items.len() == 2));
+        assert!(matches!(node("{\"a\": (b: 1)}").shape(), Shape::Map(m) if m.len() == 1));
+        assert!(matches!(node("Ratio").shape(), Shape::Word(w) if w == "Ratio"));
+        assert!(matches!(node("Some(3)").shape(), Shape::Int(3)));
+        assert!(matches!(node("-1e2").shape(), Shape::Float(x) if x == -100.0));
+        assert!(matches!(node("r#\"a\"#").shape(), Shape::Text(t) if t == "a"));
+        assert_eq!(node("grid(8)").argument_of("grid"), Some("8"));
+    }
+
+    #[test]
+    fn a_syntax_error_has_its_place() {
+        let source = SourceFile::new("t.ron", "(\n  a: 1,\n  b: ,\n)");
+        let error = Node::of_file(&source).unwrap_err();
+        assert!(error.to_string().contains("--> t.ron:3:"), "{error}");
+    }
+}

@@ -1,0 +1,119 @@
+//! From graph files to a resolved graph: subgraphs put in, variants applied, everything wired.
+
+mod decode;
+pub(crate) mod draft;
+mod finish;
+mod load;
+mod patch;
+mod pattern;
+mod resolved;
+
+use std::path::Path;
+use std::sync::Arc;
+
+pub use resolved::{GraphInput, ImplicitWire, Resolved, ResolvedPass, Source};
+
+use crate::diagnostics::Diagnostics;
+use crate::file::GraphFile;
+use crate::registry::Registry;
+use crate::wire;
+use load::Loader;
+
+/// Changes from outside the file, such as the command line.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Edits {
+    /// Parameters, as `pass.parameter` (patterns as in files) and the RON text of the value.
+    pub set: Vec<(String, String)>,
+    /// Passes to bypass (patterns as in files).
+    pub bypass: Vec<String>,
+}
+
+/// Resolves the graph in a file.
+///
+/// ```no_run
+/// # fn main() -> Result<(), scumble::Diagnostics> {
+/// use scumble::{Edits, Registry, resolve};
+///
+/// let registry = Registry::new(); // and `.add::<SomePass>()` for each pass
+/// let edits = Edits { set: vec![("*/jbu.lambda_z".into(), "50".into())], ..Edits::default() };
+/// let graph = resolve("graphs/upsample-2016.ron", &registry, &edits)?;
+/// println!("{graph}");
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// Every mistake in the file, in the files it uses, and in the edits.
+pub fn resolve(
+    path: impl AsRef<Path>,
+    registry: &Registry,
+    edits: &Edits,
+) -> Result<Resolved, Diagnostics> {
+    let path = path.as_ref();
+    let mut diagnostics = Diagnostics::new();
+    let file = GraphFile::read_into(path, None, &mut diagnostics);
+    resolve_read(path, file, diagnostics, registry, edits)
+}
+
+/// Resolves a graph that is read already; `path` is where it would stand, for files that it uses.
+///
+/// # Errors
+/// Every mistake in the file, in the files it uses, and in the edits.
+pub fn resolve_file(
+    path: impl AsRef<Path>,
+    file: GraphFile,
+    registry: &Registry,
+    edits: &Edits,
+) -> Result<Resolved, Diagnostics> {
+    resolve_read(
+        path.as_ref(),
+        Some(file),
+        Diagnostics::new(),
+        registry,
+        edits,
+    )
+}
+
+/// Resolves a graph in a text as far as it can be understood; `name` is its path in messages, and
+/// what its paths are relative to.
+///
+/// # Errors
+/// Every mistake in the text, in the files it uses, and in the edits.
+pub fn resolve_text(
+    name: &str,
+    text: &str,
+    registry: &Registry,
+    edits: &Edits,
+) -> Result<Resolved, Diagnostics> {
+    let mut diagnostics = Diagnostics::new();
+    let file = GraphFile::parse_into(name, text, &mut diagnostics);
+    resolve_read(Path::new(name), file, diagnostics, registry, edits)
+}
+
+fn resolve_read(
+    path: &Path,
+    file: Option<GraphFile>,
+    diagnostics: Diagnostics,
+    registry: &Registry,
+    edits: &Edits,
+) -> Result<Resolved, Diagnostics> {
+    let mut loader = Loader::new(registry);
+    loader.diagnostics = diagnostics;
+    let root = file.and_then(|file| loader.root(path, Arc::new(file)));
+    let Some((about, sky)) = root else {
+        return loader.diagnostics.or(Resolved::default());
+    };
+    wire::connect(&mut loader.draft);
+    loader.apply_patches();
+    loader.apply_edits(edits);
+
+    let (draft, diagnostics) = (&mut loader.draft, &mut loader.diagnostics);
+    wire::report_open(draft, diagnostics);
+    wire::spread_grids(draft);
+    wire::check(draft, diagnostics);
+    wire::check_bypasses(draft, diagnostics);
+    let order = wire::order(draft, diagnostics);
+    let mut resolved = finish::finish(draft, &order, diagnostics);
+    (resolved.about, resolved.sky) = (about, sky);
+    loader.diagnostics.or(resolved)
+}
