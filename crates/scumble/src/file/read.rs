@@ -285,11 +285,7 @@ fn check_name(name: &Spanned<String>, diagnostics: &mut Diagnostics) {
 type References = Vec<(Spanned<String>, Spanned<WireRef>)>;
 
 // Names and addresses, and the names whose address could not be read.
-fn references(
-    node: &Node,
-    what: &str,
-    diagnostics: &mut Diagnostics,
-) -> (References, Vec<String>) {
+fn references(node: &Node, what: &str, diagnostics: &mut Diagnostics) -> (References, Vec<String>) {
     let (mut found, mut unreadable): (References, _) = (Vec::new(), Vec::new());
     let Shape::Map(entries) = node.shape() else {
         node.mismatch(&format!("a map `{{…}}` of {what}"), diagnostics);

@@ -95,7 +95,9 @@ fn reader_of(draft: &Draft, vertex: VertexId, output: usize) -> Option<String> {
                 continue;
             }
             match reader.kind {
-                VertexKind::Pass(_) => return Some(format!("`{}`", reader.address(&reader.inputs[input].slot))),
+                VertexKind::Pass(_) => {
+                    return Some(format!("`{}`", reader.address(&reader.inputs[input].slot)));
+                }
                 VertexKind::RelayOut(_) if reader.seen_in.is_none() => {
                     return Some(format!("the output `{}`", reader.name));
                 }
