@@ -35,6 +35,12 @@ impl std::ops::Deref for Label {
     }
 }
 
+impl std::borrow::Borrow<str> for Label {
+    fn borrow(&self) -> &str {
+        &self.0
+    }
+}
+
 impl From<&str> for Label {
     fn from(text: &str) -> Self {
         Label(text.into())

@@ -133,6 +133,50 @@ fn every_node_is_timed() {
     assert!(texels.iter().all(|&t| t == 3.0));
 }
 
+/// Four frames of a history in one encoder, submitted once: each has its own uniform data.
+/// `sum@-1 -> add (uniform) -> sum => export`
+#[test]
+fn several_plans_share_a_submission() {
+    let Some((device, queue)) = real(wgpu::Features::empty()) else {
+        return;
+    };
+    let add = kernel(
+        &device,
+        "add",
+        "@group(0) @binding(0) var<uniform> amount: f32;
+         @group(0) @binding(1) var input: texture_2d<f32>;
+         @group(0) @binding(2) var out_value: texture_storage_2d<r32float, write>;
+         @compute @workgroup_size(8, 8) fn main(@builtin(global_invocation_id) id: vec3u) {
+             textureStore(out_value, id.xy, textureLoad(input, id.xy, 0) + amount);
+         }",
+    );
+    let mut pool = Pool::new(&device, &queue);
+    // The second round finds the staging memory of the first.
+    for round in 1..=2 {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        for amount in [1.0f32, 10.0, 100.0, 1000.0] {
+            let mut fg = pool.frame(FRAME);
+            let h = fg.history_texture("sum", R32, 1, First::Clear([0.0; 4]));
+            let mut node = fg.compute("add", &add);
+            node.uniform("amount", bytemuck::bytes_of(&amount));
+            node.read("input", h.previous[0].unwrap());
+            let out = node.overwrite("out_value", h.current);
+            node.dispatch_texels([64, 64]);
+            fg.export_texture("sum", out);
+            let plan = fg.compile().unwrap();
+            plan.encode(&mut encoder, &mut pool).unwrap();
+        }
+        queue.submit([encoder.finish()]);
+        let sum = pool.exported_texture("sum").unwrap();
+        let texels = download(&device, &queue, sum);
+        assert!(
+            texels.iter().all(|&t| t == 1111.0 * round as f32),
+            "{}",
+            texels[0]
+        );
+    }
+}
+
 /// The same graph with and without taps on its intermediates gives the same bits, in each of three
 /// frames of a history.
 /// ```text

@@ -4,6 +4,7 @@
 use super::{Contents, NONE, Table, contents::DEFINED};
 use crate::error::{Code, Warning};
 use crate::graph::{FrameGraph, Kind};
+use crate::state::State;
 
 pub(crate) struct Kept {
     pub live: Vec<bool>,
@@ -139,7 +140,9 @@ impl Walk<'_, '_> {
                 )
             };
             if self.live[n] {
-                for i in writes().filter(|&i| !self.used[i as usize]) {
+                // Depth is mostly for the node's own test.
+                let depth = |i: u32| graph.accesses[i as usize].state == State::DepthTarget;
+                for i in writes().filter(|&i| !self.used[i as usize] && !depth(i)) {
                     warnings.push(Warning {
                         code: Code::Unread,
                         message: format!("`{}` of `{}` is never read", name(i), node.label),

@@ -59,8 +59,8 @@ impl Resources<'_> {
 }
 
 impl<'f> Plan<'f> {
-    /// Records all steps into `encoder` and advances the histories. Nothing is submitted. Submit the
-    /// encoder before the next plan of this pool is encoded.
+    /// Records all steps into `encoder` and advances the histories. Nothing is submitted; submit
+    /// encoders in the order in which plans were encoded into them.
     ///
     /// # Errors
     /// When the plan is of another pool, or a history it declares has changed since it was begun.
@@ -76,8 +76,7 @@ impl<'f> Plan<'f> {
             return Err(EncodeError::Outdated);
         }
         pool.begin_encode();
-        pool.upload
-            .write(&pool.device, &pool.queue, &self.graph.upload);
+        pool.upload.write(&pool.device, encoder, &self.graph.upload);
         let physical = self.materialize(encoder, pool);
         self.record(encoder, pool, &physical);
         for export in &self.graph.exports {

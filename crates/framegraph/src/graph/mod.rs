@@ -413,6 +413,7 @@ impl<'f> FrameGraph<'f> {
         let offset = self.upload.len().next_multiple_of(align);
         self.upload.resize(offset, 0);
         self.upload.extend_from_slice(bytes);
+        self.upload.resize(self.upload.len().next_multiple_of(4), 0);
         offset as u64
     }
 }

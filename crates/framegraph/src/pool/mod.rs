@@ -28,8 +28,8 @@ const KEEP: u64 = 16;
 /// Owns what outlives a frame. It keeps clones of the device and the queue, makes resources with
 /// them and uploads small data, but never submits.
 ///
-/// Encode one plan, submit it, then encode the next: uniform data of a plan is handed to the queue
-/// by [`Plan::encode`](crate::Plan::encode) and takes effect with the next submission.
+/// Several plans may be encoded before a submission; submit them in the order of encoding, because
+/// they share memory and hand histories on.
 pub struct Pool {
     pub(crate) id: u32,
     pub(crate) device: wgpu::Device,
@@ -54,7 +54,7 @@ pub struct Memory {
     pub transient: u64,
     /// Of all frames of all histories.
     pub history: u64,
-    /// Of the buffer for uniform data and uploads.
+    /// Of the buffer for uniform data and uploads; its staging memory comes on top.
     pub upload: u64,
     /// Each of them.
     pub resources: Vec<ResourceMemory>,
@@ -116,24 +116,24 @@ impl Pool {
     /// An exported texture of the plan encoded last; its contents are there once that is submitted,
     /// and until the next plan is encoded.
     pub fn exported_texture(&self, key: &str) -> Option<&wgpu::Texture> {
-        self.exports.get(&Label::from(key))?.texture()
+        self.exports.get(key)?.texture()
     }
 
     /// An exported buffer of the plan encoded last; its contents are there once that is submitted,
     /// and until the next plan is encoded.
     pub fn exported_buffer(&self, key: &str) -> Option<&wgpu::Buffer> {
-        self.exports.get(&Label::from(key))?.buffer()
+        self.exports.get(key)?.buffer()
     }
 
     /// What is known of a history; `None` before a plan with it was encoded.
     pub fn history(&self, key: &str) -> Option<HistoryInfo> {
-        self.states.get(&Label::from(key)).map(|s| s.info.clone())
+        self.states.get(key).map(|s| s.info.clone())
     }
 
     /// Makes the next frame find no past frames of a history, so that its rule for the first frame
     /// applies. The reason is kept. Does nothing when there is no such history.
     pub fn reset_history(&mut self, key: &str, reason: &str) {
-        if let Some(state) = Arc::make_mut(&mut self.states).get_mut(&Label::from(key)) {
+        if let Some(state) = Arc::make_mut(&mut self.states).get_mut(key) {
             state.pending = Some(Reset::Asked(reason.into()));
             state.info.frames = 0;
             state.info.reset = Reset::Asked(reason.into());

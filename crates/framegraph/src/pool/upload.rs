@@ -1,36 +1,70 @@
-//! One buffer for the uniform data and the uploads of a frame.
+//! One buffer for the uniform data and the uploads of a frame. The bytes go through the encoder, from
+//! staging memory that comes back once the GPU has read it: so several plans may be encoded before
+//! one submission, and each finds its own bytes.
+
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::store::next_id;
 
 #[derive(Default)]
 pub(crate) struct Upload {
     made: Option<(wgpu::Buffer, u32)>,
+    /// Mapped, ready to be written.
+    staging: Arc<Mutex<Vec<wgpu::Buffer>>>,
 }
 
 impl Upload {
-    /// Hands the bytes to the queue, in a buffer that is big enough.
-    pub fn write(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8]) {
+    /// Records the copy of the bytes to a buffer that is big enough.
+    pub fn write(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        bytes: &[u8],
+    ) {
         if bytes.is_empty() {
             return;
         }
         let needed = (bytes.len() as u64).next_multiple_of(4);
-        if self.bytes() < needed {
-            let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        let create = |usage, mapped_at_creation| {
+            device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("framegraph upload"),
-                size: needed
-                    .next_power_of_two()
-                    .max(4096)
-                    .min(device.limits().max_buffer_size.max(needed)),
-                usage: wgpu::BufferUsages::UNIFORM
-                    | wgpu::BufferUsages::COPY_SRC
-                    | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
-            self.made = Some((buffer, next_id()));
+                size: needed.next_power_of_two().max(4096),
+                usage,
+                mapped_at_creation,
+            })
+        };
+        let target = match &self.made {
+            Some((buffer, _)) if buffer.size() >= needed => buffer,
+            _ => {
+                use wgpu::BufferUsages as U;
+                let buffer = create(U::UNIFORM | U::COPY_SRC | U::COPY_DST, false);
+                &self.made.insert((buffer, next_id())).0
+            }
+        };
+        let staging = {
+            let mut free = self.staging.lock().unwrap_or_else(PoisonError::into_inner);
+            free.retain(|buffer| buffer.size() >= needed);
+            free.pop()
+        };
+        let staging = staging.unwrap_or_else(|| {
+            create(
+                wgpu::BufferUsages::MAP_WRITE | wgpu::BufferUsages::COPY_SRC,
+                true,
+            )
+        });
+        if let Ok(mut range) = staging.get_mapped_range_mut(..bytes.len() as u64) {
+            range.copy_from_slice(bytes);
         }
-        if let Some((buffer, _)) = &self.made {
-            queue.write_buffer(buffer, 0, bytes);
-        }
+        staging.unmap();
+        encoder.copy_buffer_to_buffer(&staging, 0, target, 0, needed);
+        let (free, back) = (self.staging.clone(), staging.clone());
+        encoder.map_buffer_on_submit(&staging, wgpu::MapMode::Write, .., move |mapped| {
+            if mapped.is_ok() {
+                free.lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .push(back);
+            }
+        });
     }
 
     /// The buffer and its number for caches.
