@@ -6,6 +6,8 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+use scumble::Registry;
+
 // Tracers.
 
 // Filters.
@@ -16,3 +18,25 @@ pub mod outlier_reject;
 pub mod progressive;
 pub mod recombine;
 pub mod tonemap;
+
+/// Every pass of this crate, with the WGSL modules that their shaders include.
+///
+/// ```
+/// let registry = scumble_passes::registry();
+/// assert!(registry.get("jbu").is_some());
+/// assert_eq!(registry.nearest("bilatral"), Some("bilateral"));
+/// ```
+pub fn registry() -> Registry {
+    let mut registry = Registry::new();
+    registry.add_wgsl_module("passes/guides.wgsl", include_str!("shared/guides.wgsl"));
+    // Tracers.
+
+    // Filters.
+    registry.add::<bilateral::Bilateral>();
+    registry.add::<jbu::Jbu>();
+    registry.add::<outlier_reject::OutlierReject>();
+    registry.add::<progressive::Progressive>();
+    registry.add::<recombine::Recombine>();
+    registry.add::<tonemap::Tonemap>();
+    registry
+}
