@@ -3,6 +3,7 @@
 #![warn(missing_docs)]
 
 mod camera;
+pub mod conformance;
 mod context;
 pub mod diagnostics;
 mod dispatch;
@@ -13,6 +14,7 @@ mod kernel_plan;
 pub mod params;
 mod pass;
 mod pass_frame;
+mod pipeline;
 pub mod port;
 mod readback;
 pub mod registry;
@@ -24,8 +26,8 @@ mod wire;
 
 pub use camera::{Camera, jittered};
 pub use context::{BuildContext, BuildError, RasterOptions};
-pub use dispatch::Dispatch;
 pub use diagnostics::{Diagnostic, Diagnostics};
+pub use dispatch::Dispatch;
 pub use file::GraphFile;
 pub use frame_input::FrameInput;
 pub use host::Host;
@@ -35,11 +37,16 @@ pub use params::{
 };
 pub use pass::{AnyPass, Bypass, BypassKind, Filter, Needs, Pass, SkySide, build_any};
 pub use pass_frame::{PassFrame, RecordError, Stat, Upstream};
+pub use pipeline::{
+    NameError, PassBuildError, Pipeline, PipelineError, RenderError, Report, ReportValue,
+    Requirements, StatsError, Unmet,
+};
 pub use port::{FirstFrame, Port, PortSignal, Resolution};
 pub use readback::{ReadbackError, readback};
 pub use registry::{PassType, Registry};
 pub use resolve::{
-    Edits, GraphInput, ImplicitWire, Resolved, ResolvedPass, Source, resolve, resolve_file, resolve_text,
+    Edits, GraphInput, ImplicitWire, Resolved, ResolvedPass, Source, resolve, resolve_file,
+    resolve_text,
 };
 pub use signal::{Signal, SignalDef};
 pub use uniform::UniformValue;

@@ -1,0 +1,225 @@
+//! From a resolved graph to built passes.
+
+use std::cell::RefCell;
+
+use framegraph::Label;
+
+use super::{Built, Feedback, PassBuildError, Pipeline, PipelineError};
+use crate::context::{BuildContext, BuildError, PassInfo};
+use crate::host::Host;
+use crate::pass::BypassKind;
+use crate::pass_frame::{OutputSlot, PassState};
+use crate::port::Resolution;
+use crate::resolve::{Resolved, Source};
+
+/// What an input reads, by position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wire {
+    Port {
+        pass: usize,
+        output: usize,
+        previous: bool,
+    },
+    Input(usize),
+}
+
+/// A source by position; `None` for a port that its pass does not have, which no resolved graph holds.
+pub(super) fn wire_of(resolved: &Resolved, source: &Source) -> Option<Wire> {
+    match source {
+        Source::GraphInput(i) => Some(Wire::Input(*i)),
+        Source::Port {
+            pass,
+            port,
+            previous,
+        } => {
+            let output = resolved
+                .passes
+                .get(*pass)?
+                .ty
+                .outputs
+                .iter()
+                .position(|p| p.name == port)?;
+            Some(Wire::Port {
+                pass: *pass,
+                output,
+                previous: *previous,
+            })
+        }
+    }
+}
+
+/// All passes unbuilt, the outputs read in the next frame, and for each pass which passes read it.
+pub(super) fn wire(resolved: &Resolved) -> (Vec<Built>, Vec<Feedback>, Vec<Vec<usize>>) {
+    let mut passes: Vec<Built> = resolved
+        .passes
+        .iter()
+        .map(|pass| unbuilt(resolved, pass))
+        .collect();
+    let mut feedback: Vec<Feedback> = Vec::new();
+    let mut readers = vec![Vec::new(); passes.len()];
+    let wires: Vec<(usize, Wire)> = passes
+        .iter()
+        .enumerate()
+        .flat_map(|(reader, built)| {
+            built
+                .wires
+                .iter()
+                .flatten()
+                .map(move |wire| (reader, *wire))
+        })
+        .collect();
+    for (reader, wire) in wires {
+        want(&mut passes, wire);
+        let Wire::Port {
+            pass,
+            output,
+            previous,
+        } = wire
+        else {
+            continue;
+        };
+        readers[pass].push(reader);
+        if previous
+            && !feedback
+                .iter()
+                .any(|f| (f.pass, f.output) == (pass, output))
+        {
+            let info = &passes[pass].info;
+            let label = Label::from(format!("{}.{}", info.name, info.outputs[output].name));
+            feedback.push(Feedback {
+                pass,
+                output,
+                label,
+            });
+        }
+    }
+    (passes, feedback, readers)
+}
+
+/// Marks an output as read.
+pub(super) fn want(passes: &mut [Built], wire: Wire) {
+    if let Wire::Port { pass, output, .. } = wire {
+        passes[pass].wanted[output] = true;
+    }
+}
+
+fn unbuilt(resolved: &Resolved, pass: &crate::resolve::ResolvedPass) -> Built {
+    let ty = &pass.ty;
+    let source = |name: &str| pass.inputs.iter().find(|(n, _)| n == name)?.1.as_ref();
+    let wires: Vec<_> = ty
+        .inputs
+        .iter()
+        .map(|port| wire_of(resolved, source(port.name)?))
+        .collect();
+    Built {
+        info: PassInfo {
+            name: pass.name.clone(),
+            inputs: ty.inputs.clone(),
+            outputs: ty.outputs.clone(),
+            defs: ty.params().to_vec(),
+            signal: pass.signal,
+            grid: pass.grid,
+            any_grid: pass.any_resolution_grid,
+            wired: wires.iter().map(Option::is_some).collect(),
+            sky: resolved.sky,
+        },
+        kind: pass.kind.clone(),
+        pass: None,
+        wires,
+        slots: ty.outputs.iter().map(|_| OutputSlot::default()).collect(),
+        wanted: vec![false; ty.outputs.len()],
+        state: PassState::default(),
+        stale: true,
+    }
+}
+
+/// Works out again at which resolution every pass runs, after a structural parameter changed.
+pub(super) fn spread_grids(resolved: &mut Resolved, passes: &mut [Built]) {
+    for p in 0..passes.len() {
+        let made = resolved.passes[p].ty.grid(&resolved.passes[p].params);
+        let mut grid = made;
+        let mut any_grid = None;
+        for (i, wire) in passes[p].wires.iter().enumerate() {
+            let n = match wire {
+                None => continue,
+                Some(Wire::Input(input)) => resolved.inputs[*input].grid,
+                Some(Wire::Port { pass, output, .. }) => {
+                    let info = &passes[*pass].info;
+                    info.spacing_of(&info.outputs[*output])
+                }
+            };
+            match passes[p].info.inputs[i].resolution {
+                Resolution::Full => {}
+                Resolution::Grid => grid = grid.or(Some(n)),
+                Resolution::Any => any_grid = any_grid.or(Some(n)),
+            }
+        }
+        let (info, pass) = (&mut passes[p].info, &mut resolved.passes[p]);
+        info.grid = grid.unwrap_or(info.grid);
+        info.any_grid = any_grid.unwrap_or(info.any_grid);
+        (pass.grid, pass.any_resolution_grid) = (info.grid, info.any_grid);
+    }
+}
+
+impl Pipeline {
+    /// Builds every pass that is not built, or no longer right.
+    pub(super) fn build_stale(&mut self, host: &Host) -> Result<(), PipelineError> {
+        let mut errors = Vec::new();
+        for p in 0..self.passes.len() {
+            if self.passes[p].stale
+                && let Err(source) = self.build(p, host)
+            {
+                let (pass, kind) = (
+                    self.passes[p].info.name.clone(),
+                    self.passes[p].kind.clone(),
+                );
+                errors.push(PassBuildError { pass, kind, source });
+            }
+        }
+        if errors.is_empty() {
+            Ok(())
+        } else {
+            Err(PipelineError::Build(errors))
+        }
+    }
+
+    fn build(&mut self, p: usize, host: &Host) -> Result<(), BuildError> {
+        let (built, resolved) = (&mut self.passes[p], &self.resolved.passes[p]);
+        if resolved.bypassed {
+            for (output, port) in built.info.outputs.iter().enumerate() {
+                // Aliases need it too: where an alias is kept for the next frame in another format.
+                if resolved
+                    .ty
+                    .bypass
+                    .iter()
+                    .any(|b| b.output == port.name && is_copied(&b.how, built, output))
+                {
+                    self.resampler
+                        .prepare(&self.device, built.info.format_of(port))?;
+                }
+            }
+            built.stale = false;
+            return Ok(());
+        }
+        let ctx = BuildContext {
+            device: &self.device,
+            queue: &self.queue,
+            host,
+            modules: &self.modules,
+            info: &built.info,
+            plans: RefCell::default(),
+        };
+        let pass = resolved.ty.build(&ctx, &resolved.params)?;
+        built.state.plans = ctx.plans.into_inner();
+        for history in built.state.histories.drain(..) {
+            self.pool.reset_history(&history, "the pass was rebuilt");
+        }
+        built.pass = Some(pass);
+        built.stale = false;
+        Ok(())
+    }
+}
+
+fn is_copied(how: &BypassKind, built: &Built, output: usize) -> bool {
+    matches!(how, BypassKind::Resample(_)) || built.wanted[output]
+}

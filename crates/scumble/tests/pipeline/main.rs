@@ -1,0 +1,10 @@
+//! Pipelines of toy passes, end to end on a device.
+
+mod bypass;
+mod conformance;
+mod errors;
+mod parameters;
+mod past;
+mod rig;
+mod run;
+mod toys;
