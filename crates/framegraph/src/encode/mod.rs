@@ -114,6 +114,15 @@ impl<'f> Plan<'f> {
         let mut rings = vec![0u32; graph.histories.len()];
         for (i, r) in graph.resources.iter().enumerate() {
             usage[i] |= r.extra_usage;
+            if let (true, Kind::Transient, Shape::Texture { format, .. }) =
+                (graph.debug.clobber, &r.kind, &r.shape)
+            {
+                let target = wgpu::TextureUsages::RENDER_ATTACHMENT;
+                let can = format
+                    .guaranteed_format_features(pool.caps.features)
+                    .allowed_usages;
+                usage[i] |= (can & target).bits();
+            }
             if let Kind::Current(h) | Kind::Previous { history: h, .. } = r.kind {
                 rings[h as usize] |= usage[i];
             }

@@ -34,7 +34,7 @@ pub struct Pool {
     pub(crate) id: u32,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
-    caps: Arc<Caps>,
+    pub(crate) caps: Arc<Caps>,
     debug: Debug,
     pub(crate) states: Arc<HistoryStates>,
     pub(crate) store: Store,
@@ -133,6 +133,10 @@ impl Pool {
     /// Makes the next frame find no past frames of a history, so that its rule for the first frame
     /// applies. The reason is kept. Does nothing when there is no such history.
     pub fn reset_history(&mut self, key: &str, reason: &str) {
+        // Only a real change makes plans outdated.
+        if !self.states.contains_key(key) {
+            return;
+        }
         if let Some(state) = Arc::make_mut(&mut self.states).get_mut(key) {
             state.pending = Some(Reset::Asked(reason.into()));
             state.info.frames = 0;

@@ -224,7 +224,25 @@ impl Shader {
             _ => None,
         };
         known.unwrap_or_else(|| {
-            MemberType::Other(ty.name.clone().unwrap_or_else(|| format!("{:?}", ty.inner)))
+            MemberType::Other(match (&ty.name, &ty.inner) {
+                (Some(name), _) => name.clone(),
+                (
+                    None,
+                    TypeInner::Matrix {
+                        columns,
+                        rows,
+                        scalar,
+                    },
+                ) => {
+                    format!(
+                        "mat{}x{}<f{}>",
+                        *columns as u32,
+                        *rows as u32,
+                        8 * scalar.width
+                    )
+                }
+                (None, inner) => format!("{inner:?}"),
+            })
         })
     }
 }
