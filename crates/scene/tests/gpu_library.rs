@@ -7,6 +7,8 @@ mod brdf;
 mod lights;
 #[path = "gpu_library/random.rs"]
 mod random;
+#[path = "gpu_library/raster.rs"]
+mod raster;
 #[path = "gpu_library/support.rs"]
 mod support;
 #[path = "gpu_library/surface.rs"]

@@ -78,61 +78,105 @@ fn half_node_hits(meta_bytes: u32, near_x: u32, near_y: u32, near_z: u32, far_x:
 fn trace(ray: Ray, mode: u32) -> Hit {
     rays_traced += 1u;
     var hit = Hit(NO_HIT, NONE, NONE, vec2f(0.0), true);
-    if scene_info.tlas_root == NONE {
-        return hit;
-    }
     var nearest = min(ray.t_max, NO_HIT);
     var stack: array<vec2u, TRACE_STACK>;
     var depth = 0u;
+    var ground = 0u;            // of the stack in this level of the BVH
     // Groups are (base index, bits). Nodes have bits in the high byte and which children are
     // nodes in the low one; primitives have only the 24 low bits.
-    var nodes = vec2u(scene_info.tlas_root, 0x80000000u);
-    var instance = NONE;        // NONE while in the TLAS
-    var entry_depth = 0u;       // of the stack, where the instance was entered
+    var nodes = vec2u(scene_info.tlas_root, select(0x80000000u, 0u, scene_info.tlas_root == NONE));
+    var primitives = vec2u(0u);
+    var instance = NONE;        // NONE in the top level
     var flags = 0u;
     var origin = ray.origin;
     var direction = ray.direction;
     var inverse = inverse_direction(direction);
     var octant = inverse_octant(inverse);
 
+    // Rare work stands in outer loops: where a machine runs both sides of a branch, it would
+    // otherwise be done at every step.
     loop {
-        var primitives = nodes;
-        if nodes.y > 0x00ffffffu {
-            let bit = firstLeadingBit(nodes.y);
-            let slot = (bit - 24u) ^ (octant & 7u);
-            let child = nodes.x + countOneBits(nodes.y & ~(NONE << slot) & 0xffu);
-            nodes.y &= ~(1u << bit);
-            if nodes.y > 0x00ffffffu {
-                stack[depth] = nodes;
-                depth += 1u;
+        var masked = Hit(NO_HIT, NONE, NONE, vec2f(0.0), true);
+        loop {
+            loop {
+                if primitives.y != 0u {
+                    break;
+                }
+                if nodes.y <= 0x00ffffffu {
+                    if depth == ground {
+                        break;
+                    }
+                    depth -= 1u;
+                    nodes = stack[depth];
+                    if nodes.y <= 0x00ffffffu {
+                        primitives = nodes;
+                        nodes = vec2u(0u);
+                        break;
+                    }
+                }
+                let bit = firstLeadingBit(nodes.y);
+                let slot = (bit - 24u) ^ (octant & 7u);
+                let child = nodes.x + countOneBits(nodes.y & ~(NONE << slot) & 0xffu);
+                nodes.y &= ~(1u << bit);
+                if nodes.y > 0x00ffffffu {
+                    stack[depth] = nodes;
+                    depth += 1u;
+                }
+
+                let at = 5u * child;
+                let n0 = scene_nodes[at];
+                let n1 = scene_nodes[at + 1u];
+                let n2 = scene_nodes[at + 2u];
+                let n3 = scene_nodes[at + 3u];
+                let n4 = scene_nodes[at + 4u];
+                let exponents = vec3u(n0.w & 0xffu, (n0.w >> 8u) & 0xffu, (n0.w >> 16u) & 0xffu);
+                let scale = bitcast<vec3f>(exponents << vec3u(23u)) * inverse;
+                let shift = (bitcast<vec3f>(n0.xyz) - origin) * inverse;
+                let x = select(n2, n2.zwxy, inverse.x < 0.0);
+                let y = select(n3, n3.zwxy, inverse.y < 0.0);
+                let z = select(n4, n4.zwxy, inverse.z < 0.0);
+                let hits = half_node_hits(n1.z, x.x, y.x, z.x, x.z, y.z, z.z, scale, shift, octant, ray.t_min, nearest)
+                    | half_node_hits(n1.w, x.y, y.y, z.y, x.w, y.w, z.w, scale, shift, octant, ray.t_min, nearest);
+                nodes = vec2u(n1.x, (hits & 0xff000000u) | (n0.w >> 24u));
+                primitives = vec2u(n1.y, hits & 0x00ffffffu);
             }
 
-            let at = 5u * child;
-            let n0 = scene_nodes[at];
-            let n1 = scene_nodes[at + 1u];
-            let n2 = scene_nodes[at + 2u];
-            let n3 = scene_nodes[at + 3u];
-            let n4 = scene_nodes[at + 4u];
-            let exponents = vec3u(n0.w & 0xffu, (n0.w >> 8u) & 0xffu, (n0.w >> 16u) & 0xffu);
-            let scale = bitcast<vec3f>(exponents << vec3u(23u)) * inverse;
-            let shift = (bitcast<vec3f>(n0.xyz) - origin) * inverse;
-            let x = select(n2, n2.zwxy, inverse.x < 0.0);
-            let y = select(n3, n3.zwxy, inverse.y < 0.0);
-            let z = select(n4, n4.zwxy, inverse.z < 0.0);
-            let hits = half_node_hits(n1.z, x.x, y.x, z.x, x.z, y.z, z.z, scale, shift, octant, ray.t_min, nearest)
-                | half_node_hits(n1.w, x.y, y.y, z.y, x.w, y.w, z.w, scale, shift, octant, ray.t_min, nearest);
-            nodes = vec2u(n1.x, (hits & 0xff000000u) | (n0.w >> 24u));
-            primitives = vec2u(n1.y, hits & 0x00ffffffu);
-        } else {
-            nodes = vec2u(0u);
-        }
+            while instance != NONE && primitives.y != 0u && masked.instance == NONE {
+                let bit = firstLeadingBit(primitives.y);
+                primitives.y &= ~(1u << bit);
+                let leaf = 3u * (primitives.x + bit);
+                let t0 = scene_triangles[leaf];
+                let e1 = bitcast<vec3f>(scene_triangles[leaf + 1u].xyz);
+                let e2 = bitcast<vec3f>(scene_triangles[leaf + 2u].xyz);
+                let n = cross(e1, e2);
+                let c = bitcast<vec3f>(t0.xyz) - origin;
+                let r = cross(direction, c);
+                let det = dot(n, direction);
+                // Positive from the front, also in a mirrored instance: n . d is the same in any space.
+                let front = det > 0.0;
+                if abs(det) > 1e-36 && (front || mode != RAY_CAMERA || (flags & INSTANCE_DOUBLE_SIDED) != 0u) {
+                    let inverse_det = 1.0 / det;
+                    let uv = vec2f(dot(r, e2), dot(r, e1)) * inverse_det;
+                    let t = dot(n, c) * inverse_det;
+                    if uv.x >= 0.0 && uv.y >= 0.0 && uv.x + uv.y <= 1.0 && t >= ray.t_min && t < nearest {
+                        if (flags & INSTANCE_ALPHA_MASK) == 0u {
+                            nearest = t;
+                            hit = Hit(t, instance, t0.w, uv, front);
+                        } else {
+                            masked = Hit(t, instance, t0.w, uv, front);
+                        }
+                    }
+                }
+            }
+            if masked.instance != NONE || (mode == RAY_ANY && hit.instance != NONE) {
+                break;
+            }
 
-        while primitives.y != 0u {
-            let bit = firstLeadingBit(primitives.y);
-            primitives.y &= ~(1u << bit);
-            let leaf = primitives.x + bit;
-
-            if instance == NONE {
+            if primitives.y != 0u {
+                // Enter an instance; what else is to be visited up here waits on the stack.
+                let bit = firstLeadingBit(primitives.y);
+                primitives.y &= ~(1u << bit);
+                instance = scene_instances[primitives.x + bit].tlas_instance;
                 if primitives.y != 0u {
                     stack[depth] = primitives;
                     depth += 1u;
@@ -141,55 +185,34 @@ fn trace(ray: Ray, mode: u32) -> Hit {
                     stack[depth] = nodes;
                     depth += 1u;
                 }
-                entry_depth = depth;
-                instance = scene_instances[leaf].tlas_instance;
+                ground = depth;
                 flags = scene_instances[instance].flags;
                 origin = transform_point(scene_instances[instance].object_from_world, ray.origin);
                 direction = transform_direction(scene_instances[instance].object_from_world, ray.direction);
-                inverse = inverse_direction(direction);
-                octant = inverse_octant(inverse);
+                primitives = vec2u(0u);
                 nodes = vec2u(scene_instances[instance].root, 0x80000000u);
-                break;
-            }
-
-            let t0 = scene_triangles[3u * leaf];
-            let e1 = bitcast<vec3f>(scene_triangles[3u * leaf + 1u].xyz);
-            let e2 = bitcast<vec3f>(scene_triangles[3u * leaf + 2u].xyz);
-            let n = cross(e1, e2);
-            let c = bitcast<vec3f>(t0.xyz) - origin;
-            let r = cross(direction, c);
-            let det = dot(n, direction);
-            // Positive from the front, also in a mirrored instance: n . d is the same in any space.
-            let front = det > 0.0;
-            if abs(det) > 1e-36 && (front || mode != RAY_CAMERA || (flags & INSTANCE_DOUBLE_SIDED) != 0u) {
-                let inverse_det = 1.0 / det;
-                let uv = vec2f(dot(r, e2), dot(r, e1)) * inverse_det;
-                let t = dot(n, c) * inverse_det;
-                if uv.x >= 0.0 && uv.y >= 0.0 && uv.x + uv.y <= 1.0 && t >= ray.t_min && t < nearest {
-                    if (flags & INSTANCE_ALPHA_MASK) == 0u || alpha_passes(scene_instances[instance].material, t0.w, uv) {
-                        nearest = t;
-                        hit = Hit(t, instance, t0.w, uv, front);
-                    }
-                }
-            }
-        }
-
-        if mode == RAY_ANY && hit.instance != NONE {
-            break;
-        }
-        if nodes.y <= 0x00ffffffu {
-            if instance != NONE && depth == entry_depth {
+            } else if instance != NONE && nodes.y <= 0x00ffffffu && depth == ground {
                 instance = NONE;
+                ground = 0u;
                 origin = ray.origin;
                 direction = ray.direction;
-                inverse = inverse_direction(direction);
-                octant = inverse_octant(inverse);
+            } else if nodes.y <= 0x00ffffffu && depth == ground {
+                break;
+            } else {
+                continue;
             }
-            if depth == 0u {
+            inverse = inverse_direction(direction);
+            octant = inverse_octant(inverse);
+        }
+        if masked.instance == NONE {
+            break;
+        }
+        if alpha_passes(scene_instances[masked.instance].material, masked.triangle, masked.uv) {
+            nearest = masked.t;
+            hit = masked;
+            if mode == RAY_ANY {
                 break;
             }
-            depth -= 1u;
-            nodes = stack[depth];
         }
     }
     return hit;

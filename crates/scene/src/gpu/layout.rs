@@ -1,6 +1,7 @@
 //! Bind group 1: its layout, its uniform, and the record of an instance (`scene/bindings.wgsl`).
 
 use super::GpuSceneError;
+use super::store::Store;
 use bytemuck::{Pod, Zeroable};
 use glam::Affine3A;
 
@@ -114,4 +115,36 @@ pub(crate) fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout 
         label: Some("scene"),
         entries: &entries,
     })
+}
+
+/// What bind group 1 binds, in order.
+pub(crate) struct Group<'a> {
+    pub layout: &'a wgpu::BindGroupLayout,
+    pub info: &'a wgpu::Buffer,
+    pub stores: [&'a Store; 6],
+    pub atlas: &'a wgpu::Texture,
+    pub sky: &'a wgpu::Texture,
+}
+
+impl Group<'_> {
+    pub fn bind(&self, device: &wgpu::Device) -> wgpu::BindGroup {
+        let atlas = self.atlas.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        let sky = self.sky.create_view(&Default::default());
+        let buffers = std::iter::once(self.info).chain(self.stores.iter().map(|s| &s.buffer));
+        let textures = [&atlas, &sky].map(wgpu::BindingResource::TextureView);
+        let entries: Vec<wgpu::BindGroupEntry> = buffers
+            .map(|b| b.as_entire_binding())
+            .chain(textures)
+            .zip(0..)
+            .map(|(resource, binding)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("scene"),
+            layout: self.layout,
+            entries: &entries,
+        })
+    }
 }

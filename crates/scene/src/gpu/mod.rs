@@ -185,7 +185,7 @@ impl GpuScene {
         });
         let sky = sky_texture(device, queue, &sky_data);
         let layout = layout::bind_group_layout(device);
-        let group = Group {
+        let group = layout::Group {
             layout: &layout,
             info: &info,
             stores: [&nodes, &triangles, &indices, &vertices, &instances, &data],
@@ -285,7 +285,7 @@ impl GpuScene {
     }
 
     fn rebind(&mut self) {
-        let group = Group {
+        let group = layout::Group {
             layout: &self.layout,
             info: &self.info,
             stores: self.stores(),
@@ -293,38 +293,6 @@ impl GpuScene {
             sky: &self.sky,
         };
         self.bind_group = group.bind(&self.device);
-    }
-}
-
-/// What bind group 1 binds, in order.
-struct Group<'a> {
-    layout: &'a wgpu::BindGroupLayout,
-    info: &'a wgpu::Buffer,
-    stores: [&'a Store; 6],
-    atlas: &'a wgpu::Texture,
-    sky: &'a wgpu::Texture,
-}
-
-impl Group<'_> {
-    fn bind(&self, device: &wgpu::Device) -> wgpu::BindGroup {
-        let atlas = self.atlas.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        });
-        let sky = self.sky.create_view(&Default::default());
-        let buffers = std::iter::once(self.info).chain(self.stores.iter().map(|s| &s.buffer));
-        let textures = [&atlas, &sky].map(wgpu::BindingResource::TextureView);
-        let entries: Vec<wgpu::BindGroupEntry> = buffers
-            .map(|b| b.as_entire_binding())
-            .chain(textures)
-            .zip(0..)
-            .map(|(resource, binding)| wgpu::BindGroupEntry { binding, resource })
-            .collect();
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("scene"),
-            layout: self.layout,
-            entries: &entries,
-        })
     }
 }
 
