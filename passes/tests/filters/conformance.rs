@@ -1,0 +1,28 @@
+//! What every pass must keep.
+
+use crate::common::gpu;
+use scumble::conformance::{Fixture, Outcome, Rule, check};
+
+#[test]
+fn every_filter_keeps_the_rules() {
+    let (device, queue) = gpu();
+    let registry = scumble_passes::registry();
+    let filters = [
+        "bilateral",
+        "jbu",
+        "outlier-reject",
+        "progressive",
+        "recombine",
+        "tonemap",
+    ];
+    for pass in filters {
+        let report = check(&registry, pass, &mut Fixture::new(device, queue));
+        assert!(report.passed(), "{report}");
+        // Neither `recombine` nor `tonemap` can be bypassed; everything else applies to every filter.
+        let bypass = [Rule::Constant, Rule::Bypass];
+        for (rule, outcome) in &report.rules {
+            let may_skip = bypass.contains(rule) && ["recombine", "tonemap"].contains(&pass);
+            assert_eq!(matches!(outcome, Outcome::Skipped(_)), may_skip, "{report}");
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! Every filter against a twin in f64 that is written from its equation, and against what every pass must keep.
+
+mod bilateral;
+mod common;
+mod conformance;
+mod jbu;
+mod outlier_reject;
+mod progressive;
+mod recombine;
+mod tonemap;
