@@ -2,6 +2,7 @@
 //! stands. Names are not looked up here.
 
 mod node;
+mod raw;
 mod read;
 mod reference;
 

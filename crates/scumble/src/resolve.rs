@@ -2,10 +2,14 @@
 
 mod decode;
 pub(crate) mod draft;
+mod find;
 mod finish;
+mod insert;
 mod load;
+mod passes;
 mod patch;
 mod pattern;
+mod replace;
 mod resolved;
 
 use std::path::Path;

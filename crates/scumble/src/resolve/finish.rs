@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::draft::{Draft, Link, PassVertex, Vertex, VertexId, VertexKind, Wire};
+use super::draft::{Draft, Input, Link, PassVertex, Vertex, VertexId, VertexKind, Wire};
 use super::resolved::{GraphInput, ImplicitWire, Resolved, ResolvedPass, Source};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span, code};
 
@@ -71,15 +71,8 @@ pub(super) fn finish(draft: &Draft, order: &[VertexId], diagnostics: &mut Diagno
                         input: input.slot.name.clone(),
                     });
                 }
-            } else if !input.slot.optional && input.wire.link().is_some() && diagnostics.is_empty()
-            {
-                let message = format!(
-                    "`{}` must be wired, and reads an optional input of its graph that is not",
-                    vertex.address(&input.slot)
-                );
-                diagnostics
-                    .push(Diagnostic::new(code::MISSING_INPUT, message).at(&vertex.span, ""));
             }
+            check_optional(draft, vertex, input, origin.as_ref(), diagnostics);
             wired.push((input.slot.name.clone(), origin.as_ref().and_then(source)));
         }
         resolved.passes.push(resolved_pass(vertex, pass, wired));
@@ -89,7 +82,12 @@ pub(super) fn finish(draft: &Draft, order: &[VertexId], diagnostics: &mut Diagno
         let Some(origin) = origin(draft, &vertex.inputs[0].wire) else {
             continue;
         };
-        if origin.previous > 0 {
+        // Where the output itself says so, that is reported where it is read.
+        let itself = vertex.inputs[0]
+            .wire
+            .link()
+            .is_some_and(|link| link.previous);
+        if origin.previous > 0 && !itself {
             let message = format!("the output `{name}` cannot be of the previous frame");
             diagnostics.push(Diagnostic::new(code::NO_PREVIOUS, message).at(&vertex.span, ""));
         }
@@ -140,6 +138,50 @@ fn origin(draft: &Draft, wire: &Wire) -> Option<Origin> {
             });
         }
         link = vertex.inputs.first()?.wire.link()?;
+    }
+    None
+}
+
+// An input that must be wired may read an optional input of its graph only where that is fed.
+fn check_optional(
+    draft: &Draft,
+    vertex: &Vertex,
+    input: &Input,
+    origin: Option<&Origin>,
+    diagnostics: &mut Diagnostics,
+) {
+    let Some(link) = input.wire.link().filter(|_| !input.slot.optional) else {
+        return;
+    };
+    let unfed = match origin {
+        Some(origin) => {
+            let end = &draft.vertices[origin.vertex];
+            let host = matches!(end.kind, VertexKind::HostInput { .. });
+            (host && end.outputs[origin.output].optional).then_some(origin.vertex)
+        }
+        None => unwired_end(draft, link),
+    };
+    if let Some(end) = unfed {
+        let message = format!(
+            "`{}` must be wired, and reads `{}`, which is optional and may be missing",
+            vertex.address(&input.slot),
+            draft.vertices[end].name
+        );
+        let at = link.span.as_ref().unwrap_or(&vertex.span);
+        diagnostics.push(Diagnostic::new(code::MISSING_INPUT, message).at(at, ""));
+    }
+}
+
+// The optional input of a graph that a wire ends in, when nothing is wired to it.
+fn unwired_end(draft: &Draft, link: &Link) -> Option<VertexId> {
+    let mut id = link.vertex;
+    for _ in 0..=draft.vertices.len() {
+        let input = draft.vertices[id].inputs.first()?;
+        match &input.wire {
+            Wire::To(next) => id = next.vertex,
+            Wire::Open if input.slot.optional => return Some(id),
+            _ => return None,
+        }
     }
     None
 }
