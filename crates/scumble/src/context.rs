@@ -3,7 +3,9 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use framegraph::{ComputeKernel, KernelDesc, KernelError, RasterKernel, RasterKernelDesc};
+use framegraph::{
+    ComputeKernel, KernelDesc, KernelError, RasterKernel, RasterKernelDesc, Size, TextureDesc,
+};
 
 use crate::host::Host;
 use crate::kernel_plan::KernelPlan;
@@ -78,6 +80,10 @@ impl PassInfo {
         } else {
             signal.format()
         }
+    }
+
+    pub fn desc_of(&self, port: &Port, size: Size) -> TextureDesc {
+        TextureDesc::d2(self.format_of(port), size)
     }
 
     /// Pixels per texel of a port.

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use framegraph::{Buffer, ComputeKernel, ComputeNode, Size, Texture, TextureDesc, View};
+use framegraph::{Buffer, ComputeKernel, ComputeNode, Size, Texture, View};
 
 use crate::kernel_plan::{Fill, KernelPlan, Source, UniformPlan, builtin_value, member_hint};
 use crate::pass_frame::{PassFrame, RecordError, Side};
@@ -42,12 +42,11 @@ impl<'d, 'a, 'f> Dispatch<'d, 'a, 'f> {
                     side.stand_ins.get(graph, side.device, format);
                 }
                 Source::Output(i, _) if is_dummy(side, i) => {
-                    if side.outputs[i].dummy.is_none() {
-                        let port = &side.info.outputs[i];
-                        let desc =
-                            TextureDesc::d2(side.info.format_of(port), Size::Absolute([1, 1]));
-                        side.outputs[i].dummy = Some(graph.texture("unread output", desc));
-                    }
+                    let desc = side
+                        .info
+                        .desc_of(&side.info.outputs[i], Size::Absolute([1, 1]));
+                    let dummy = &mut side.outputs[i].dummy;
+                    dummy.get_or_insert_with(|| graph.texture("unread output", desc));
                 }
                 Source::Output(i, _) => {
                     side.output(graph, i);

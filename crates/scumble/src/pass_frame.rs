@@ -475,7 +475,7 @@ impl Side<'_, '_> {
             None => {
                 let size = Size::Absolute(self.info.size_of(port, self.shared.size));
                 let label = self.label(port.name);
-                graph.texture(label, TextureDesc::d2(self.info.format_of(port), size))
+                graph.texture(label, self.info.desc_of(port, size))
             }
         };
         self.outputs[i].texture = Some(texture);

@@ -61,7 +61,7 @@ pub enum RenderError {
         /// Its name in the registry.
         kind: String,
         /// The reason.
-        source: RecordError,
+        source: Box<RecordError>,
     },
     /// A texture the host feeds is missing or does not fit.
     #[error("graph input `{name}`: {message}")]

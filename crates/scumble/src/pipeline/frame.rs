@@ -1,6 +1,6 @@
 //! One frame: every pass declares its work, in order.
 
-use framegraph::{First, FrameGraph, FrameParams, Label, Size, Texture, TextureDesc};
+use framegraph::{First, FrameGraph, FrameParams, Label, Size, Texture};
 
 use super::build::Wire;
 use super::resample::Mapping;
@@ -58,7 +58,7 @@ impl Pipeline {
                 .map_err(|source| RenderError::Record {
                     pass: self.passes[p].info.name.clone(),
                     kind: self.passes[p].kind.clone(),
-                    source,
+                    source: Box::new(source),
                 })?;
         }
         self.export(&mut graph);
@@ -134,7 +134,7 @@ impl Pipeline {
             let built = &mut self.passes[feedback.pass];
             let port = &built.info.outputs[feedback.output];
             let size = Size::Absolute(built.info.size_of(port, self.size));
-            let desc = TextureDesc::d2(built.info.format_of(port), size);
+            let desc = built.info.desc_of(port, size);
             let history = graph.history_texture(feedback.label.clone(), desc, 1, First::Skip);
             built.slots[feedback.output].kept = Some(history.current);
             previous.push(history.previous.first().copied().flatten());
@@ -214,8 +214,7 @@ impl Pipeline {
                     let from = &self.passes[*pass].info;
                     let port = &from.outputs[*output];
                     let size = Size::Absolute(from.size_of(port, self.size));
-                    let texture =
-                        graph.texture("first frame", TextureDesc::d2(from.format_of(port), size));
+                    let texture = graph.texture("first frame", from.desc_of(port, size));
                     Some(graph.clear_texture(
                         format!("{}/first frame", built.info.name),
                         texture,
@@ -283,9 +282,8 @@ impl Pipeline {
                     let port = &info.outputs[o];
                     let size = Size::Absolute(info.size_of(port, self.size));
                     let to = slots[o].kept;
-                    let to = to.unwrap_or_else(|| {
-                        graph.texture(rule.output, TextureDesc::d2(info.format_of(port), size))
-                    });
+                    let to =
+                        to.unwrap_or_else(|| graph.texture(rule.output, info.desc_of(port, size)));
                     let (from, into) = (info.spacing_of(&info.inputs[i]), info.spacing_of(port));
                     let mapping = Mapping {
                         from,

@@ -7,4 +7,5 @@ mod parameters;
 mod past;
 mod rig;
 mod run;
+mod text;
 mod toys;
