@@ -2,7 +2,7 @@
 
 use crate::common::{Image, Input, Random, Run, SIZES, Session, Storage, assert_close, camera};
 use glam::{Mat4, Vec2, Vec3};
-use scumble::{FrameInput, signal};
+use scumble::{FrameInput, ReportValue, signal};
 
 /// The mean of all frames in which a texel had a sample.
 fn twin(frames: &[(Image, Image)]) -> Vec<Option<[f64; 4]>> {
@@ -70,17 +70,23 @@ fn starts_anew_when_the_estimated_number_changes() {
     let mut moved = camera();
     moved.world_from_view *= Mat4::from_translation(Vec3::X);
     let changes = [
-        FrameInput::still(moved),
-        FrameInput {
-            scene_revision: 1,
-            ..still.clone()
-        },
-        FrameInput {
-            time: 0.5,
-            ..still.clone()
-        },
+        ("camera moved", FrameInput::still(moved)),
+        (
+            "scene changed",
+            FrameInput {
+                scene_revision: 1,
+                ..still.clone()
+            },
+        ),
+        (
+            "time: 0 s -> 0.5 s",
+            FrameInput {
+                time: 0.5,
+                ..still.clone()
+            },
+        ),
     ];
-    for change in changes {
+    for (reason, change) in changes {
         let mut random = Random(9);
         let (view_z, old, new) = (
             Image::new(size, |_| [2.0; 4]),
@@ -104,6 +110,11 @@ fn starts_anew_when_the_estimated_number_changes() {
             &twin(&[(new.clone(), view_z.clone())]),
             Storage::F32,
         );
+        assert_eq!(
+            session.report("restarted"),
+            ReportValue::Text(reason.to_owned())
+        );
+        assert_eq!(session.report("frames"), ReportValue::Number(1.0));
         // And goes on from there.
         session.write("value", &old);
         session.render(&FrameInput { frame: 3, ..change });
@@ -115,6 +126,30 @@ fn starts_anew_when_the_estimated_number_changes() {
             Storage::F32,
         );
     }
+}
+
+#[test]
+fn starts_anew_when_the_size_changes() {
+    let mut random = Random(11);
+    let mut image = |size| {
+        (
+            Image::new(size, |_| random.light()),
+            Image::new(size, |_| [2.0; 4]),
+        )
+    };
+    let (small, large) = (image([7, 5]), image([33, 17]));
+    let still = FrameInput::still(camera());
+    let mut session = start(&small.0, &small.1, "", signal::IRRADIANCE);
+    session.render(&still);
+    session.resize(&[("value", &large.0), ("view_z", &large.1)]);
+    session.render(&FrameInput { frame: 1, ..still });
+    assert_close(
+        "resized",
+        &session.read("value"),
+        &twin(&[large]),
+        Storage::F32,
+    );
+    assert_eq!(session.report("frames"), ReportValue::Number(1.0));
 }
 
 #[test]

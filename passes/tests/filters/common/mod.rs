@@ -11,7 +11,7 @@ use std::fmt::Write;
 use std::sync::OnceLock;
 
 use half::f16;
-use scumble::{Camera, Edits, FrameInput, Host, Pipeline, Signal, resolve_text};
+use scumble::{Camera, Edits, FrameInput, Host, Pipeline, ReportValue, Signal, resolve_text};
 use wgpu::TextureFormat;
 
 /// The camera of every run; askew, so that no axis hides another.
@@ -119,23 +119,7 @@ impl<'a> Run<'a> {
             textures: BTreeMap::new(),
         };
         for (port, input) in &self.inputs {
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(port),
-                size: wgpu::Extent3d {
-                    width: input.image.size[0],
-                    height: input.image.size[1],
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: input.signal.format(),
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                view_formats: &[],
-            });
-            session.pipeline.bind_input(port, &texture).unwrap();
-            session.textures.insert(port, texture);
-            session.write(port, input.image);
+            session.bind(port, input.signal.format(), input.image);
         }
         session
     }
@@ -176,6 +160,27 @@ pub struct Session {
 }
 
 impl Session {
+    /// Feeds an input from a texture of its own.
+    fn bind(&mut self, port: &'static str, format: TextureFormat, image: &Image) {
+        let texture = gpu().0.create_texture(&wgpu::TextureDescriptor {
+            label: Some(port),
+            size: wgpu::Extent3d {
+                width: image.size[0],
+                height: image.size[1],
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        self.pipeline.bind_input(port, &texture).unwrap();
+        self.textures.insert(port, texture);
+        self.write(port, image);
+    }
+
     /// Fills an input.
     pub fn write(&self, port: &str, image: &Image) {
         let texture = &self.textures[port];
@@ -193,6 +198,21 @@ impl Session {
         gpu()
             .1
             .write_texture(texture.as_image_copy(), &bytes, layout, texture.size());
+    }
+
+    /// Goes on with images of another size.
+    pub fn resize(&mut self, images: &[(&'static str, &Image)]) {
+        self.pipeline.resize(images[0].1.size);
+        for (port, image) in images {
+            self.bind(port, self.textures[port].format(), image);
+        }
+    }
+
+    /// What the pass told about the last frame.
+    pub fn report(&self, key: &str) -> ReportValue {
+        let reports = self.pipeline.reports().unwrap();
+        let report = reports.into_iter().find(|report| report.key == key);
+        report.unwrap().value
     }
 
     /// One frame.
