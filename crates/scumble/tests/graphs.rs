@@ -119,8 +119,23 @@ fn an_edit_is_shown_like_a_file() {
     assert!(text.contains("--> --bypass:1:1\n1 | spars\n"), "{text}");
 }
 
+#[test]
+fn the_documentation_has_every_code_and_its_examples_can_be_read() {
+    let text = std::fs::read_to_string("../../docs/graph-files.md").unwrap();
+    for (code, about) in scumble::diagnostics::ALL_CODES {
+        let row = format!("| {code} | {about} |\n");
+        assert!(text.contains(&row), "{row}");
+    }
+    let examples: Vec<&str> = text.split("```ron\n").skip(1).collect();
+    assert_eq!(examples.len(), 3);
+    for example in examples {
+        let ron = example.split("```").next().unwrap();
+        GraphFile::parse("docs/graph-files.md", ron).unwrap();
+    }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     // Any outcome is right, except a panic; and a mistake always has words.
     #[test]

@@ -5,11 +5,18 @@ pub(super) fn matches(pattern: &str, name: &str) -> bool {
     let Some((head, rest)) = pattern.split_once('*') else {
         return pattern == name;
     };
-    let Some(name) = name.strip_prefix(head) else {
+    let Some(mut name) = name.strip_prefix(head) else {
         return false;
     };
-    let ends = name.char_indices().map(|(i, _)| i).chain([name.len()]);
-    ends.into_iter().any(|i| matches(rest, &name[i..]))
+    let (middle, tail) = rest.rsplit_once('*').unwrap_or(("", rest));
+    // The first place of each part leaves the most for those after it.
+    for part in middle.split('*') {
+        match name.find(part) {
+            Some(at) => name = &name[at + part.len()..],
+            None => return false,
+        }
+    }
+    name.ends_with(tail)
 }
 
 #[cfg(test)]
@@ -18,22 +25,28 @@ mod tests {
 
     #[test]
     fn a_star_is_any_characters_or_none() {
-        for (pattern, name) in [
+        let good = [
             ("jbu", "jbu"),
             ("*/jbu", "e/jbu"),
             ("*/jbu", "a/b/jbu"),
             ("*", ""),
             ("e/*", "e/jbu"),
             ("*b*", "abc"),
-        ] {
+            ("a*a*a", "aaa"),
+            ("*é*", "né"),
+        ];
+        for (pattern, name) in good {
             assert!(matches(pattern, name), "{pattern} {name}");
         }
-        for (pattern, name) in [
+        let bad = [
             ("jbu", "e/jbu"),
             ("*/jbu", "jbu"),
             ("e/*", "s/jbu"),
             ("a*b", "abc"),
-        ] {
+            ("a*a*a", "aa"),
+            ("ab*b", "ab"),
+        ];
+        for (pattern, name) in bad {
             assert!(!matches(pattern, name), "{pattern} {name}");
         }
     }
