@@ -9,6 +9,12 @@ use crate::sample::{LoopTime, sample, sample_rotation, sample_weights};
 
 impl Scene {
     /// The scene at `time` seconds. Clips loop; a time that is not finite counts as 0.
+    ///
+    /// ```
+    /// let scene = scumble_scene::builtin("moving").unwrap();
+    /// assert_ne!(scene.pose(0.0).instances, scene.pose(0.5).instances);
+    /// assert_eq!(scene.pose(0.0), scene.pose(scene.animation.seconds()));
+    /// ```
     pub fn pose(&self, time: f32) -> Pose {
         let animation = &self.animation;
         let (locals, weights) = driven(animation, time);
@@ -162,9 +168,11 @@ pub(crate) fn rigid(world: &Affine3A) -> Affine3A {
     }
 }
 
-/// Nearest unit quaternion; the identity for a zero one.
+/// Nearest unit quaternion; the identity for a zero one. One that is unit up to rounding stays.
 pub(crate) fn unit(rotation: Quat) -> Quat {
-    if rotation.length_squared() > 0.0 {
+    if (rotation.length_squared() - 1.0).abs() <= 1e-6 {
+        rotation
+    } else if rotation.length_squared() > 0.0 {
         rotation.normalize()
     } else {
         Quat::IDENTITY
