@@ -91,8 +91,13 @@ impl<'a> Data<'a> {
         index: Index<buffer::View>,
         what: &str,
     ) -> Result<&'a [u8], SceneError> {
-        let view = &self.root.buffer_views[index.value()];
-        let buffer = &self.buffers[view.buffer.value()];
+        let view = self.root.buffer_views.get(index.value());
+        let Some((view, buffer)) =
+            view.and_then(|view| Some((view, self.buffers.get(view.buffer.value())?)))
+        else {
+            let why = format!("buffer view {} or its buffer does not exist", index.value());
+            return Err(SceneError::invalid(what, why));
+        };
         let start = view.byte_offset.map_or(0, |offset| offset.0);
         range(buffer, start, view.byte_length.0).ok_or_else(|| {
             SceneError::invalid(
@@ -112,7 +117,10 @@ impl<'a> Data<'a> {
         index: Index<Accessor>,
         what: &str,
     ) -> Result<(&'a Accessor, Shape), SceneError> {
-        let accessor = &self.root.accessors[index.value()];
+        let Some(accessor) = self.root.accessors.get(index.value()) else {
+            let why = format!("accessor {} does not exist", index.value());
+            return Err(SceneError::invalid(what, why));
+        };
         let (Checked::Valid(component), Checked::Valid(kind)) =
             (accessor.component_type, accessor.type_)
         else {

@@ -62,8 +62,12 @@ pub(super) fn clips(
         };
         for source_channel in &source.channels {
             let target = &source_channel.target;
-            let Some(node) = tree.index[target.node.value()] else {
-                continue;
+            let Some(node) = tree.index.get(target.node.value()).copied().flatten() else {
+                let why = format!(
+                    "it drives node {}, which does not exist",
+                    target.node.value()
+                );
+                return Err(SceneError::invalid(format!("clip `{}`", clip.name), why));
             };
             let Checked::Valid(property) = target.path else {
                 continue;
