@@ -45,6 +45,22 @@ pub(crate) struct MemberPlan {
     pub fill: Fill,
 }
 
+/// How the bindings of group 0 are filled; checks what the shader declares.
+pub(crate) fn slots(
+    reflection: &Reflection,
+    info: &PassInfo,
+    composed: Option<&Composed>,
+) -> Result<Vec<Slot>, ShaderError> {
+    let own = reflection.bindings.iter().filter(|b| b.group == 0);
+    let slots = own.map(|b| {
+        Ok(Slot {
+            name: b.name.clone(),
+            source: source(b, info, composed)?,
+        })
+    });
+    slots.collect()
+}
+
 /// What a member is filled with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Fill {
@@ -106,17 +122,9 @@ impl KernelPlan {
         info: &PassInfo,
         composed: Option<&Composed>,
     ) -> Result<KernelPlan, BuildError> {
-        let own = kernel.reflection().bindings.iter().filter(|b| b.group == 0);
-        let slots = own.map(|b| {
-            Ok(Slot {
-                name: b.name.clone(),
-                source: source(b, info, composed)?,
-            })
-        });
-        let bindings = slots.collect::<Result<_, ShaderError>>()?;
         Ok(KernelPlan {
             kernel: kernel.clone(),
-            bindings,
+            bindings: slots(kernel.reflection(), info, composed)?,
         })
     }
 
@@ -237,7 +245,7 @@ impl UniformPlan {
     }
 }
 
-fn fill_of(name: &str, info: &PassInfo) -> (Fill, Option<MemberType>) {
+pub(crate) fn fill_of(name: &str, info: &PassInfo) -> (Fill, Option<MemberType>) {
     if let Some(i) = info.defs.iter().position(|def| def.name == name) {
         return (Fill::Param(i), param_type(&info.defs[i]));
     }

@@ -22,6 +22,7 @@ pub mod resolve;
 pub mod signal;
 mod uniform;
 pub mod wgsl;
+mod wgsl_pass;
 mod wire;
 
 pub use camera::{Camera, jittered};
@@ -50,3 +51,4 @@ pub use resolve::{
 };
 pub use signal::{Signal, SignalDef};
 pub use uniform::UniformValue;
+pub use wgsl_pass::wgsl_pass;

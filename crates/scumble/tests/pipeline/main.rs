@@ -9,3 +9,4 @@ mod rig;
 mod run;
 mod text;
 mod toys;
+mod wgsl_only;

@@ -1,0 +1,147 @@
+//! Passes that are only a WGSL file.
+
+use scumble::{Bypass, Edits, Registry, Value, resolve, wgsl_pass};
+
+use crate::rig::{Rig, gpu};
+use crate::toys::registry;
+
+const GAIN: &str = "// Brightens an image.
+//   out = gain value + offset
+#include \"scumble/conventions.wgsl\"
+struct Params {
+    gain: f32, // 2.0 in 0..10, EV; factor on every channel
+    offset: vec3f, // (1.0, 0.5, 0.0); added
+    invert: u32, // false
+    frame_index: u32,
+}
+@group(0) @binding(0) var<uniform> params: Params;
+// port value: any, any; the image
+@group(0) @binding(1) var value: texture_2d<f32>;
+@group(0) @binding(2) var weight: texture_2d<f32>; // port weight: variance, any, optional, source moments; how much
+// port value: any, any; brighter
+@group(0) @binding(3) var out_value: texture_storage_2d<{{value.format}}, write>;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    var v = params.gain * textureLoad(value, id.xy, 0).rgb + params.offset;
+    v += textureLoad(weight, id.xy, 0).r;
+    if params.invert != 0u { v = -v; }
+    textureStore(out_value, id.xy, vec4f(v, f32(params.frame_index)));
+}
+";
+
+#[test]
+fn a_file_states_ports_and_parameters() {
+    let ty = wgsl_pass("gain.wgsl", GAIN, &Registry::new()).unwrap_or_else(|e| panic!("{e:?}"));
+    assert_eq!(ty.about, "Brightens an image.");
+    assert!(ty.readme.contains("out = gain value"));
+    assert_eq!(
+        ty.inputs.iter().map(|p| p.name).collect::<Vec<_>>(),
+        ["value", "weight"]
+    );
+    assert!(
+        ty.inputs[1].optional
+            && ty.inputs[1].source_name() == "moments"
+            && ty.inputs[1].about == "how much"
+    );
+    assert_eq!(ty.outputs[0].about, "brighter");
+    assert_eq!(ty.bypass, [Bypass::alias("value", "value")]);
+    let params = ty.params();
+    assert_eq!(
+        params.iter().map(|def| def.name).collect::<Vec<_>>(),
+        ["gain", "offset", "invert"]
+    );
+    assert_eq!(
+        (params[0].range, params[0].unit, params[0].about),
+        (Some((0.0, 10.0)), Some("EV"), "factor on every channel")
+    );
+    assert_eq!(params[1].default, Value::Vector(vec![1.0, 0.5, 0.0]));
+    assert_eq!(params[2].default, Value::Bool(false));
+}
+
+#[test]
+fn a_graph_uses_a_file() {
+    let Some(_) = gpu() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("gain.wgsl"), GAIN).unwrap();
+    let graph = r#"(
+        version: 1,
+        passes: [(use: "ramp"), (use: "./gain.wgsl", as: "g", with: (gain: 3.0), in: {"value": "ramp.value"})],
+        outputs: {"out": "g.value"},
+    )"#;
+    let path = folder.path().join("graph.ron");
+    std::fs::write(&path, graph).unwrap();
+    let mut registry = registry();
+    registry.set_wgsl_loader(wgsl_pass);
+    let resolved = resolve(&path, &registry, &Edits::default()).unwrap_or_else(|e| panic!("{e}"));
+    let mut rig = Rig::try_new(&registry, resolved, [4, 4]).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(rig.frame(2, "out")[5], [304.0, 0.5, 6.0, 2.0]);
+    rig.set("g.invert", Value::Bool(true));
+    assert_eq!(rig.frame(3, "out")[5], [-304.0, -0.5, -9.0, 3.0]);
+}
+
+#[test]
+fn mistakes_have_a_place() {
+    let wrong = |from: &str, to: &str| {
+        assert!(GAIN.contains(from), "{from}");
+        let text = GAIN.replacen(from, to, 1);
+        let errors = wgsl_pass("gain.wgsl", &text, &Registry::new())
+            .err()
+            .unwrap();
+        let at = errors[0]
+            .span
+            .clone()
+            .map(|span| text[span].to_owned())
+            .unwrap_or_default();
+        (errors[0].message.clone(), at)
+    };
+    let is = |(message, at): (String, String), expected: &str, place: &str| {
+        assert_eq!((message.as_str(), at.as_str()), (expected, place));
+    };
+    is(
+        wrong("weight: variance", "weight: varianze"),
+        "there is no signal `varianze`; did you mean `variance`?",
+        "varianze",
+    );
+    is(
+        wrong("value: any, any; the", "value: any, half; the"),
+        "`half` is no resolution",
+        "half",
+    );
+    is(
+        wrong(", optional", ", maybe"),
+        "a port cannot be `maybe`",
+        "maybe",
+    );
+    is(
+        wrong("// port value: any, any; the image", ""),
+        "the binding `value` is no port",
+        "value",
+    );
+    is(
+        wrong("2.0 in", "20.0 in"),
+        "`gain` must be from 0 to 10 EV, and got 20.0",
+        "20.0 in 0..10, EV; factor on every channel",
+    );
+    is(
+        wrong("// (1.0, 0.5, 0.0); added", ""),
+        "nothing fills the member `offset`, and it has no default",
+        "",
+    );
+    is(
+        wrong("false", "maybe"),
+        "the parameter `invert` has no default of its type",
+        "maybe",
+    );
+    // Type errors are naga's words, at the author's place.
+    let (message, at) = wrong("params.gain *", "params.gian *");
+    assert!(
+        message.contains("gian") && at == "gian",
+        "{message} at `{at}`"
+    );
+    let (message, at) = wrong("{{value.format}}", "rgba8unorm");
+    assert!(
+        message.starts_with("`out_value` is rgba8unorm") && at == "out_value",
+        "{message} at `{at}`"
+    );
+}
