@@ -1,6 +1,8 @@
 //! The command line.
 
-use clap::{Args, Parser, Subcommand};
+use crate::camera::CameraChoice;
+use crate::scene::SkyChoice;
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use scumble_metrics::Metric;
 use std::path::PathBuf;
 
@@ -14,10 +16,142 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 pub enum Verb {
+    /// Render frames of a scene with a graph
+    Render(Box<RenderArgs>),
+    /// Report every mistake of graph files, or what they resolve to
+    Check(CheckArgs),
+    /// List the passes, or tell all about one: ports, parameters, source
+    Passes(PassesArgs),
     /// List what there is to render on, the best first
     Adapters(AdaptersArgs),
+    /// Say what is in a scene, or write it as glTF
+    #[command(subcommand)]
+    Scene(SceneVerb),
     /// Measure how far an image is from a reference
     Compare(CompareArgs),
+}
+
+/// Files: .png takes the graph's output `display`, .exr its output `linear`; of several frames a file
+/// gets the last. A folder (any name without such an extension) gets frame.0001.exr and .png and so on.
+#[derive(Args)]
+pub struct RenderArgs {
+    /// The graph file
+    pub graph: PathBuf,
+    #[command(flatten)]
+    pub scene: OptionalScene,
+    /// A camera of the scene by its number, or `ex,ey,ez,tx,ty,tz,fov`: eye, target (metres), and the
+    /// vertical field of view (degrees)
+    #[arg(
+        long,
+        value_name = "N|EYE,TARGET,FOV",
+        default_value = "0",
+        allow_hyphen_values = true
+    )]
+    pub camera: CameraChoice,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    pub size: [u32; 2],
+    /// How many frames
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub frames: u32,
+    /// Seconds of animation per frame; at 0 time stands still
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds)]
+    pub frame_time: f32,
+    /// Seed of all random numbers
+    #[arg(long, default_value_t = 0)]
+    pub seed: u32,
+    #[command(flatten)]
+    pub edits: EditArgs,
+    /// Set `max_bounces` of every pass that has it: indirect bounces, 0 for direct light only
+    #[arg(long, value_name = "N")]
+    pub max_bounces: Option<u32>,
+    /// Also write this output of a pass, as EXR and as a PNG to look at; may be given several times
+    #[arg(long, value_name = "PASS.PORT")]
+    pub dump: Vec<String>,
+    /// Where to: .png, .exr or a folder; may be given several times [default: out.png]
+    #[arg(long, short, value_name = "FILE|DIR")]
+    pub output: Vec<PathBuf>,
+    /// Tell GPU time per pass, rays and memory
+    #[arg(long)]
+    pub stats: bool,
+    #[command(flatten)]
+    pub adapter: AdapterArgs,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Write what was done as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct EditArgs {
+    /// Set a parameter, as in a graph file's `set`; may be given several times
+    #[arg(long, value_name = "PASS.PARAM=VALUE", value_parser = parse_set)]
+    pub set: Vec<(String, String)>,
+    /// Bypass a pass; may be given several times
+    #[arg(long, value_name = "PASS")]
+    pub bypass: Vec<String>,
+}
+
+#[derive(Args)]
+pub struct AdapterArgs {
+    /// Render on the adapter whose name contains this, else the one that SCUMBLE_ADAPTER names, else
+    /// the best
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+#[derive(Args)]
+pub struct OptionalScene {
+    /// A .glb or .gltf file, or atrium, cornell, furnace or moving
+    #[arg(long, value_name = "FILE|NAME")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub changes: SceneChanges,
+}
+
+#[derive(Args)]
+pub struct SceneChanges {
+    /// Replace every material
+    #[arg(long, value_enum)]
+    pub material_override: Option<Override>,
+    /// Replace the sky: one radiance, three, or a latitude-longitude image (.hdr, .exr, .png)
+    #[arg(long, value_name = "RADIANCE|R,G,B|FILE")]
+    pub sky: Option<SkyChoice>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Override {
+    /// Lambert with the base colour
+    Lambert,
+}
+
+#[derive(Args)]
+pub struct CheckArgs {
+    /// The graph files
+    #[arg(required = true)]
+    pub graphs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub edits: EditArgs,
+    /// Also check that an adapter can run every pass; without a name, the one that `render` uses
+    #[arg(long, value_name = "NAME", num_args = 0..=1)]
+    pub adapter: Option<Option<String>>,
+    /// Say nothing but mistakes
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Write JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct PassesArgs {
+    /// The pass to tell about
+    pub name: Option<String>,
+    /// Write JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Args)]
@@ -25,6 +159,37 @@ pub struct AdaptersArgs {
     /// Write JSON
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Subcommand)]
+pub enum SceneVerb {
+    /// Say what is in a scene
+    Info(SceneInfoArgs),
+    /// Write a scene as .glb or .gltf
+    Export(SceneExportArgs),
+}
+
+#[derive(Args)]
+pub struct SceneInfoArgs {
+    /// A .glb or .gltf file, or atrium, cornell, furnace or moving
+    #[arg(value_name = "FILE|NAME")]
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub changes: SceneChanges,
+    /// Write JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct SceneExportArgs {
+    /// A .glb or .gltf file, or atrium, cornell, furnace or moving
+    #[arg(value_name = "FILE|NAME")]
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub changes: SceneChanges,
+    /// The file to write
+    pub output: PathBuf,
 }
 
 /// Errors (mse, rmse, relmse) are of linear values, similarities (psnr, ssim) of values clamped to
@@ -50,4 +215,67 @@ pub struct CompareArgs {
     /// Write JSON
     #[arg(long)]
     pub json: bool,
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let form = || "give width and height in pixels, such as 1280x720".to_owned();
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(form)?;
+    let side = |text: &str| text.parse::<u32>().map_err(|_| form());
+    let size = [side(width)?, side(height)?];
+    if size.contains(&0) {
+        return Err("width and height must be at least 1".into());
+    }
+    Ok(size)
+}
+
+fn parse_seconds(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
+        _ => Err("give seconds, 0 or more".into()),
+    }
+}
+
+fn parse_set(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !value.trim().is_empty() && name.contains('.') => {
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("give pass.parameter=value, such as sparse-indirect.spacing=8".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        <Cli as clap::CommandFactory>::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes() {
+        assert_eq!(parse_size("640x480"), Ok([640, 480]));
+        assert_eq!(
+            parse_size("0x0").unwrap_err(),
+            "width and height must be at least 1"
+        );
+        for text in ["", "640", "x", "-1x2", "1x2x3", "99999999999x1"] {
+            assert!(
+                parse_size(text).unwrap_err().contains("such as 1280x720"),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn sets() {
+        assert_eq!(
+            parse_set("e/jbu.lambda_z = 5"),
+            Ok(("e/jbu.lambda_z".into(), "5".into()))
+        );
+        for text in ["", "a.b", "a.b=", "b=1"] {
+            assert!(parse_set(text).is_err(), "{text}");
+        }
+    }
 }

@@ -1,5 +1,7 @@
 //! Why a verb stopped: one message.
 
+use std::path::PathBuf;
+
 /// Why a verb stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
@@ -8,6 +10,69 @@ pub enum Failure {
          Mesa's software Vulkan driver runs without a GPU (cargo xtask setup installs it)"
     )]
     NoAdapter,
+    #[error("no adapter is named `{name}`; there are {known}")]
+    UnknownAdapter { name: String, known: String },
+    #[error("adapter `{adapter}` gives no device: {message}")]
+    NoDevice { adapter: String, message: String },
+    #[error("the GPU failed: {0}")]
+    Gpu(String),
+    #[error("this adapter renders at most {max}x{max} pixels, not {}x{}", size[0], size[1])]
+    Size { size: [u32; 2], max: u32 },
+
+    #[error("{0}")]
+    Graph(scumble::Diagnostics),
+    #[error(transparent)]
+    Pipeline(#[from] scumble::PipelineError),
+    #[error(transparent)]
+    Render(#[from] scumble::RenderError),
+    #[error(transparent)]
+    Name(#[from] scumble::NameError),
+    #[error(transparent)]
+    Readback(#[from] scumble::ReadbackError),
+    #[error(transparent)]
+    Stats(#[from] scumble::StatsError),
+    #[error("`{graph}` is a part for other graphs: nothing feeds its inputs {inputs}", graph = graph.display())]
+    Part { graph: PathBuf, inputs: String },
+    #[error("no pass of `{graph}` has a parameter `max_bounces`", graph = graph.display())]
+    NoBounces { graph: PathBuf },
+    #[error("there is no pass `{name}`; {hint}")]
+    UnknownPass { name: String, hint: String },
+
+    #[error("`{graph}` renders a scene: give --scene FILE, or atrium, cornell, furnace or moving", graph = graph.display())]
+    NoScene { graph: PathBuf },
+    #[error(transparent)]
+    Scene(#[from] scumble_scene::SceneError),
+    #[error(transparent)]
+    GpuScene(#[from] scumble_scene::GpuSceneError),
+    #[error("there is no camera {number}; the scene has {count}, from 0: {names}")]
+    NoCamera {
+        number: usize,
+        count: usize,
+        names: String,
+    },
+    #[error("`{path}`: a sky's radiance is finite, and 0 or more", path = path.display())]
+    BadSky { path: PathBuf },
+
+    #[error("`{path}`: an image is a .png or an .exr; a folder has no extension", path = path.display())]
+    UnknownOutput { path: PathBuf },
+    #[error("cannot write to the folder `{folder}`: {source}", folder = folder.display())]
+    Folder {
+        folder: PathBuf,
+        source: std::io::Error,
+    },
+    #[error("`{path}` takes the graph's output `{needed}`, and `{graph}` has {there}", path = path.display(), graph = graph.display())]
+    NoOutput {
+        path: PathBuf,
+        graph: PathBuf,
+        needed: &'static str,
+        there: String,
+    },
+    #[error("{what}: {source}")]
+    Image {
+        what: String,
+        source: scumble_metrics::MetricsError,
+    },
+
     #[error(transparent)]
     Metrics(#[from] scumble_metrics::MetricsError),
     #[error("{option} takes one --metric to judge by, not {count}")]

@@ -6,34 +6,55 @@
 
 mod adapters;
 mod args;
+mod camera;
 mod compare;
 mod device;
 mod failure;
+mod graph;
+mod passes;
+mod render;
 mod report;
+mod scene;
 
 use args::{Cli, Verb};
 use clap::Parser;
+use failure::Failure;
 use std::process::ExitCode;
 
 /// What a verb that did its work has to say through the exit code.
 enum Verdict {
     Fine,
-    /// `compare` found more than `--fail-above` allows.
+    /// `compare` found more than its threshold allows.
     Exceeded,
 }
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let done = match &cli.verb {
-        Verb::Adapters(args) => adapters::run(args).map(|()| Verdict::Fine),
-        Verb::Compare(args) => compare::run(args),
-    };
-    match done {
-        Ok(Verdict::Fine) => ExitCode::SUCCESS,
-        Ok(Verdict::Exceeded) => ExitCode::from(1),
-        Err(failure) => {
+    // A panic is a mistake of this program; it, too, is one message and exit code 2.
+    std::panic::set_hook(Box::new(|panic| {
+        report::error(format_args!(
+            "this is a mistake in scumble, please report it: {panic}"
+        ));
+    }));
+    match std::panic::catch_unwind(|| run(&cli.verb)) {
+        Ok(Ok(Verdict::Fine)) => ExitCode::SUCCESS,
+        Ok(Ok(Verdict::Exceeded)) => ExitCode::from(1),
+        Ok(Err(failure)) => {
             report::error(&failure);
             ExitCode::from(2)
         }
+        Err(_) => ExitCode::from(2),
     }
+}
+
+fn run(verb: &Verb) -> Result<Verdict, Failure> {
+    let done = match verb {
+        Verb::Compare(args) => return compare::run(args),
+        Verb::Render(args) => render::run(args),
+        Verb::Check(args) => graph::check(args),
+        Verb::Passes(args) => passes::run(args),
+        Verb::Adapters(args) => adapters::run(args),
+        Verb::Scene(verb) => scene::run(verb),
+    };
+    done.map(|()| Verdict::Fine)
 }

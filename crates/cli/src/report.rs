@@ -13,6 +13,11 @@ pub fn json(value: &serde_json::Value) {
     line(format_args!("{value:#}"));
 }
 
+/// Something worth knowing that stops nothing.
+pub fn note(text: impl Display) {
+    let _ = writeln!(std::io::stderr(), "note: {text}");
+}
+
 /// Why nothing was done.
 pub fn error(text: impl Display) {
     let _ = writeln!(std::io::stderr(), "error: {text}");

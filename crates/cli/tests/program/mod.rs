@@ -26,8 +26,14 @@ pub fn without_driver(args: &[&str]) -> Run {
         .env("VK_ICD_FILENAMES", "/nowhere"))
 }
 
+/// With SCUMBLE_ADAPTER set.
+pub fn with_variable(adapter: &str, args: &[&str]) -> Run {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scumble"));
+    run(command.args(args).env("SCUMBLE_ADAPTER", adapter))
+}
+
 fn run(command: &mut Command) -> Run {
-    let output = command.env_remove("SCUMBLE_ADAPTER").output().unwrap();
+    let output = command.output().unwrap();
     Run {
         code: output.status.code().unwrap(),
         out: String::from_utf8(output.stdout).unwrap(),

@@ -1,0 +1,157 @@
+//! Graph files with the command line's edits, and `scumble check`.
+
+use crate::args::{CheckArgs, EditArgs};
+use crate::failure::Failure;
+use crate::{device, report};
+use scumble::{Diagnostics, Edits, Pipeline, Registry, Resolved};
+use serde_json::json;
+use std::path::Path;
+
+/// The graph in a file, with the command line's edits.
+pub fn resolve(
+    path: &Path,
+    registry: &Registry,
+    edits: &EditArgs,
+) -> Result<Resolved, Diagnostics> {
+    let edits = Edits {
+        set: edits.set.clone(),
+        bypass: edits.bypass.clone(),
+    };
+    scumble::resolve(path, registry, &edits)
+}
+
+/// [`resolve`], and `max_bounces` of every pass that has it.
+pub fn resolve_with_bounces(
+    path: &Path,
+    registry: &Registry,
+    edits: &EditArgs,
+    max_bounces: Option<u32>,
+) -> Result<Resolved, Failure> {
+    let resolved = resolve(path, registry, edits).map_err(Failure::Graph)?;
+    let Some(max_bounces) = max_bounces else {
+        return Ok(resolved);
+    };
+    let has_it = |pass: &&scumble::ResolvedPass| pass.params.def("max_bounces").is_some();
+    let bounces = resolved.passes.iter().filter(has_it);
+    let bounces = bounces.map(|pass| {
+        (
+            format!("{}.max_bounces", pass.name),
+            max_bounces.to_string(),
+        )
+    });
+    let set: Vec<_> = edits.set.iter().cloned().chain(bounces).collect();
+    if set.len() == edits.set.len() {
+        return Err(Failure::NoBounces {
+            graph: path.to_owned(),
+        });
+    }
+    let edits = EditArgs {
+        set,
+        bypass: edits.bypass.clone(),
+    };
+    resolve(path, registry, &edits).map_err(Failure::Graph)
+}
+
+pub fn check(args: &CheckArgs) -> Result<(), Failure> {
+    let registry = scumble_passes::registry();
+    let adapter = match &args.adapter {
+        Some(name) => Some(device::adapter(name.as_deref())?),
+        None => None,
+    };
+    // All files are looked at before the first mistake ends the run.
+    let mut mistakes = Diagnostics::new();
+    let mut cannot_run = None;
+    let mut reports = Vec::new();
+    for path in &args.graphs {
+        let resolved = match resolve(path, &registry, &args.edits) {
+            Ok(resolved) => resolved,
+            Err(diagnostics) => {
+                reports.push(json!({"file": path, "errors": errors(&diagnostics)}));
+                mistakes.extend(diagnostics);
+                continue;
+            }
+        };
+        if let Some(adapter) = &adapter
+            && let Err(error) = Pipeline::requirements(&resolved).check_adapter(adapter)
+        {
+            reports.push(json!({"file": path, "errors": [{"message": error.to_string()}]}));
+            cannot_run.get_or_insert(error);
+            continue;
+        }
+        if args.json {
+            reports.push(as_json(path, &resolved));
+        } else if !args.quiet {
+            report::line(format_args!("{}: fine\n{resolved}", path.display()));
+        }
+    }
+    if args.json {
+        match reports.as_slice() {
+            [one] => report::json(one),
+            all => report::json(&json!(all)),
+        }
+    }
+    mistakes.or(()).map_err(Failure::Graph)?;
+    match cannot_run {
+        Some(error) => Err(error.into()),
+        None => Ok(()),
+    }
+}
+
+fn errors(diagnostics: &Diagnostics) -> serde_json::Value {
+    let error = |d: &scumble::Diagnostic| {
+        let place = d
+            .labels
+            .first()
+            .map(|(span, _)| (span.file().to_owned(), span.line_column()));
+        let (file, place) = place.unzip();
+        let (line, column) = place.unzip();
+        json!({
+            "code": d.code.to_string(),
+            "message": d.message,
+            "file": file,
+            "line": line,
+            "column": column,
+            "help": d.help,
+        })
+    };
+    diagnostics.iter().map(error).collect()
+}
+
+fn as_json(path: &Path, graph: &Resolved) -> serde_json::Value {
+    let passes = graph.passes.iter().enumerate().map(|(index, pass)| {
+        let params: serde_json::Map<_, _> = pass
+            .params
+            .written()
+            .map(|(def, value)| (def.name.to_owned(), value.to_string().into()))
+            .collect();
+        let inputs = pass.inputs.iter().filter_map(|(input, source)| {
+            let implicit = graph
+                .implicit
+                .iter()
+                .any(|w| w.pass == index && w.input == *input);
+            let from = graph.source_name(source.as_ref()?);
+            Some(json!({"input": input, "from": from, "implicit": implicit}))
+        });
+        json!({
+            "name": pass.name,
+            "kind": pass.kind,
+            "bypassed": pass.bypassed,
+            "parameters": params,
+            "inputs": inputs.collect::<Vec<_>>(),
+        })
+    });
+    let outputs: serde_json::Map<_, _> = graph
+        .outputs
+        .iter()
+        .map(|(name, source)| (name.clone(), graph.source_name(source).into()))
+        .collect();
+    let inputs = graph.inputs.iter().map(|input| input.name.as_str());
+    json!({
+        "file": path,
+        "about": graph.about,
+        "sky": graph.sky.to_string(),
+        "inputs": inputs.collect::<Vec<_>>(),
+        "passes": passes.collect::<Vec<_>>(),
+        "outputs": outputs,
+    })
+}

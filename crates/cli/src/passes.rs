@@ -1,0 +1,141 @@
+//! `scumble passes`: what there is to put into a graph.
+
+use crate::args::PassesArgs;
+use crate::failure::Failure;
+use crate::report;
+use scumble::{ParamDef, PassType, Port, PortSignal, Resolution};
+use serde_json::json;
+
+pub fn run(args: &PassesArgs) -> Result<(), Failure> {
+    let registry = scumble_passes::registry();
+    let Some(name) = &args.name else {
+        if args.json {
+            report::json(&registry.iter().map(|pass| as_json(pass)).collect());
+        } else {
+            let width = registry
+                .iter()
+                .map(|pass| pass.name.len())
+                .max()
+                .unwrap_or(0);
+            for pass in registry.iter() {
+                report::line(format_args!("{:<width$}  {}", pass.name, pass.about));
+            }
+        }
+        return Ok(());
+    };
+    let Some(pass) = registry.get(name) else {
+        let hint = match registry.nearest(name) {
+            Some(nearest) => format!("did you mean `{nearest}`?"),
+            None => "`scumble passes` lists them".to_owned(),
+        };
+        return Err(Failure::UnknownPass {
+            name: name.clone(),
+            hint,
+        });
+    };
+    if args.json {
+        report::json(&as_json(pass));
+    } else {
+        report::line(as_text(pass).trim_end());
+    }
+    Ok(())
+}
+
+fn signal(port: &Port) -> &'static str {
+    match port.signal {
+        PortSignal::Is(signal) => signal.name(),
+        PortSignal::Any => "any",
+    }
+}
+
+fn resolution(port: &Port) -> &'static str {
+    match port.resolution {
+        Resolution::Full => "full",
+        Resolution::Grid => "grid",
+        Resolution::Any => "any",
+    }
+}
+
+fn range(def: &ParamDef) -> String {
+    let unit = def.unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+    match def.range {
+        Some((low, high)) if low == f64::NEG_INFINITY && high == f64::INFINITY => {
+            format!("{}{unit}", def.kind)
+        }
+        Some((low, high)) => format!("{low} to {high}{unit}"),
+        None => format!("{}{unit}", def.kind),
+    }
+}
+
+fn as_text(pass: &PassType) -> String {
+    let mut text = format!("{}: {}\n", pass.name, pass.about);
+    for (title, ports) in [("inputs", &pass.inputs), ("outputs", &pass.outputs)] {
+        if ports.is_empty() {
+            continue;
+        }
+        text += &format!("\n{title}\n");
+        for port in ports {
+            let optional = if port.optional { ", optional" } else { "" };
+            let kind = format!("{}, {}{optional}", signal(port), resolution(port));
+            text += &format!("  {:<22}{kind:<28}{}\n", port.name, port.about);
+        }
+    }
+    if !pass.params().is_empty() {
+        text += "\nparameters\n";
+        for def in pass.params() {
+            let structural = if def.structural {
+                "; a change rebuilds the pass"
+            } else {
+                ""
+            };
+            let allowed = format!("{} (default {})", range(def), def.default);
+            text += &format!("  {:<22}{allowed}{structural}\n", def.name);
+            let about = def.about.trim();
+            if !about.is_empty() {
+                text += &format!("  {:<22}{}\n", "", about.replace('\n', " "));
+            }
+        }
+    }
+    text += &match pass.bypass.as_slice() {
+        [] => "\nIt cannot be bypassed where its outputs are read.\n".to_owned(),
+        all => {
+            let each = all.iter().map(|b| format!("{} is {}", b.output, b.input));
+            format!("\nBypassed: {}.\n", each.collect::<Vec<_>>().join(", "))
+        }
+    };
+    format!("{text}\n{}\n", pass.readme.trim())
+}
+
+fn as_json(pass: &PassType) -> serde_json::Value {
+    let ports = |ports: &[Port]| -> serde_json::Value {
+        let port = |port: &Port| {
+            json!({
+                "name": port.name,
+                "signal": signal(port),
+                "resolution": resolution(port),
+                "optional": port.optional,
+                "about": port.about,
+            })
+        };
+        ports.iter().map(port).collect()
+    };
+    let parameter = |def: &ParamDef| {
+        json!({
+            "name": def.name,
+            "about": def.about,
+            "takes": def.kind.to_string(),
+            "default": def.default.to_string(),
+            "range": def.range.map(|(low, high)| [low, high]),
+            "unit": def.unit,
+            "structural": def.structural,
+        })
+    };
+    json!({
+        "name": pass.name,
+        "about": pass.about,
+        "inputs": ports(&pass.inputs),
+        "outputs": ports(&pass.outputs),
+        "parameters": pass.params().iter().map(parameter).collect::<Vec<_>>(),
+        "readme": pass.readme,
+    })
+}

@@ -1,0 +1,304 @@
+//! `scumble render`: frames of a scene through a graph, into files.
+
+mod output;
+mod preview;
+mod stats;
+
+use crate::args::RenderArgs;
+use crate::camera::CameraChoice;
+use crate::device::{self, Gpu};
+use crate::failure::Failure;
+use crate::{graph, report, scene};
+use indicatif::{ProgressBar, ProgressStyle};
+use output::Targets;
+use scumble::{Camera, FrameInput, Host, Pipeline, Requirements, Resolved};
+use scumble_metrics::Image;
+use scumble_scene::GpuScene;
+use serde_json::json;
+use stats::Stats;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+pub fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let registry = scumble_passes::registry();
+    let resolved =
+        graph::resolve_with_bounces(&args.graph, &registry, &args.edits, args.max_bounces)?;
+    refuse_parts(args, &resolved)?;
+    let targets = targets(args, &resolved)?;
+
+    let requirements = Pipeline::requirements(&resolved);
+    let adapter = device::adapter(args.adapter.adapter.as_deref())?;
+    let max = adapter.limits().max_texture_dimension_2d;
+    if args.size.iter().any(|side| *side > max) {
+        return Err(Failure::Size {
+            size: args.size,
+            max,
+        });
+    }
+    requirements.check_adapter(&adapter)?;
+    let gpu = Gpu::open(&adapter, requirements.features)?;
+
+    let progress = progress(args);
+    progress.set_message("loading the scene");
+    let mut host = host(args, &gpu, &requirements, &progress)?;
+    progress.set_message("building the passes");
+    let pipeline = Pipeline::new(
+        &gpu.device,
+        &gpu.queue,
+        &registry,
+        resolved,
+        &host,
+        args.size,
+    )?;
+    gpu.check()?;
+    let mut run = Run {
+        args,
+        gpu,
+        pipeline,
+        targets,
+        stats: Stats::default(),
+        files: Vec::new(),
+    };
+    run.prepare()?;
+    run.frames(&mut host, &progress)?;
+    progress.finish_and_clear();
+    run.tell(host.get::<GpuScene>());
+    Ok(())
+}
+
+/// A graph with inputs is a part of others; here nothing feeds it.
+fn refuse_parts(args: &RenderArgs, resolved: &Resolved) -> Result<(), Failure> {
+    let unfed: Vec<_> = resolved
+        .inputs
+        .iter()
+        .filter(|input| !input.optional)
+        .collect();
+    if unfed.is_empty() {
+        return Ok(());
+    }
+    let names: Vec<_> = unfed
+        .iter()
+        .map(|input| format!("`{}`", input.name))
+        .collect();
+    Err(Failure::Part {
+        graph: args.graph.clone(),
+        inputs: names.join(", "),
+    })
+}
+
+fn targets(args: &RenderArgs, resolved: &Resolved) -> Result<Targets, Failure> {
+    let default = [PathBuf::from("out.png")];
+    let paths = if args.output.is_empty() {
+        &default[..]
+    } else {
+        &args.output
+    };
+    let targets = Targets::new(paths)?;
+    let outputs: Vec<_> = resolved
+        .outputs
+        .iter()
+        .map(|(name, _)| name.as_str())
+        .collect();
+    targets.check(&args.graph, &outputs)?;
+    Ok(targets)
+}
+
+/// What the passes need of the host: the scene, if they trace.
+fn host(
+    args: &RenderArgs,
+    gpu: &Gpu,
+    requirements: &Requirements,
+    progress: &ProgressBar,
+) -> Result<Host, Failure> {
+    let mut host = Host::new();
+    if requirements.host.contains(&"Scene") {
+        let Some(name) = &args.scene.scene else {
+            return Err(Failure::NoScene {
+                graph: args.graph.clone(),
+            });
+        };
+        let scene = scene::load(name, &args.scene.changes)?;
+        let scene_gpu = GpuScene::new(&gpu.device, &gpu.queue, Arc::new(scene))?;
+        gpu.check()?;
+        if !args.quiet {
+            let notes = scene_gpu
+                .scene()
+                .warnings
+                .iter()
+                .chain(scene_gpu.warnings());
+            progress.suspend(|| notes.for_each(report::note));
+        }
+        host.insert("Scene", scene_gpu);
+    }
+    Ok(host)
+}
+
+fn progress(args: &RenderArgs) -> ProgressBar {
+    if args.quiet {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(u64::from(args.frames));
+    // The template is a constant; were it wrong, the default would do.
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {wide_bar} {pos}/{len} {eta}")
+    {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(100));
+    bar
+}
+
+/// Everything of one run of the verb.
+struct Run<'a> {
+    args: &'a RenderArgs,
+    gpu: Gpu,
+    pipeline: Pipeline,
+    targets: Targets,
+    stats: Stats,
+    /// What was written.
+    files: Vec<PathBuf>,
+}
+
+impl Run<'_> {
+    fn prepare(&mut self) -> Result<(), Failure> {
+        for name in &self.args.dump {
+            self.pipeline.tap(name)?;
+        }
+        self.targets.prepare()?;
+        self.pipeline.debug().timestamps = self.args.stats && self.gpu.has_timestamps();
+        self.gpu
+            .device
+            .set_device_lost_callback(self.pipeline.device_lost_handler());
+        Ok(())
+    }
+
+    fn frames(&mut self, host: &mut Host, progress: &ProgressBar) -> Result<(), Failure> {
+        progress.set_message("rendering");
+        let mut previous = None;
+        for frame in 0..self.args.frames {
+            let time = frame as f32 * self.args.frame_time;
+            let (camera, revision) = self.pose(host, time)?;
+            let input = FrameInput {
+                camera,
+                previous_camera: previous.unwrap_or(camera),
+                time,
+                dt: self.args.frame_time,
+                frame,
+                seed: self.args.seed,
+                scene_revision: revision,
+                ..FrameInput::default()
+            };
+            previous = Some(camera);
+            self.frame(&input, host)?;
+            self.write(frame + 1)?;
+            progress.inc(1);
+        }
+        Ok(())
+    }
+
+    /// Moves the scene to `time`; gives the camera and the scene's revision then.
+    fn pose(&self, host: &mut Host, time: f32) -> Result<(Camera, u64), Failure> {
+        let Some(scene) = host.get_mut::<GpuScene>() else {
+            return match self.args.camera {
+                CameraChoice::Fixed(camera) => Ok((camera, 0)),
+                CameraChoice::Number(_) => Ok((Camera::default(), 0)),
+            };
+        };
+        scene.update(time)?;
+        Ok((self.args.camera.of(scene.cameras())?, scene.revision()))
+    }
+
+    fn frame(&mut self, input: &FrameInput, host: &mut Host) -> Result<(), Failure> {
+        let descriptor = wgpu::CommandEncoderDescriptor {
+            label: Some("frame"),
+        };
+        let mut encoder = self.gpu.device.create_command_encoder(&descriptor);
+        let start = Instant::now();
+        let rendered = self.pipeline.render(&mut encoder, input, host);
+        let cpu = start.elapsed();
+        // What wgpu says comes first: a pass fails later because of it.
+        self.gpu.check()?;
+        rendered?;
+        self.gpu.finish(encoder)?;
+        if self.args.stats {
+            self.stats.add(&mut self.pipeline, cpu)?;
+        }
+        Ok(())
+    }
+
+    /// Writes what this frame gives: folders get every frame, files the last.
+    fn write(&mut self, number: u32) -> Result<(), Failure> {
+        let last = number == self.args.frames;
+        if !last && !self.targets.have_folders() {
+            return Ok(());
+        }
+        let read = |name: &str| self.image(self.pipeline.output(name));
+        let written = self.targets.write(number, last, read)?;
+        self.files.extend(written);
+        for name in &self.args.dump {
+            let Some(texture) = self.pipeline.tapped(name) else {
+                continue;
+            };
+            let Some(signal) = self.signal(name) else {
+                continue;
+            };
+            let texels = scumble::readback(&self.gpu.device, &self.gpu.queue, texture)?;
+            let size = [texture.width(), texture.height()];
+            let [exr, png] = preview::images(signal, size, &texels);
+            let written = self.targets.dump(number, name, &exr, &png)?;
+            self.files.extend(written);
+        }
+        Ok(())
+    }
+
+    fn image(&self, texture: Option<&wgpu::Texture>) -> Result<Option<Image>, Failure> {
+        let Some(texture) = texture else {
+            return Ok(None);
+        };
+        let texels = scumble::readback(&self.gpu.device, &self.gpu.queue, texture)?;
+        let data = texels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
+        Ok(Some(Image {
+            width: texture.width(),
+            height: texture.height(),
+            data,
+        }))
+    }
+
+    /// What `pass.port` carries.
+    fn signal(&self, name: &str) -> Option<scumble::Signal> {
+        let (pass, port) = name.rsplit_once('.')?;
+        let (_, pass) = self.pipeline.resolved().pass(pass)?;
+        match pass.ty.output(port)?.signal {
+            scumble::PortSignal::Is(signal) => Some(signal),
+            scumble::PortSignal::Any => pass.signal,
+        }
+    }
+
+    fn tell(&self, scene: Option<&GpuScene>) {
+        let args = self.args;
+        let memory = stats::Memory::of(&self.pipeline, scene);
+        if args.json {
+            let mut done = json!({
+                "graph": args.graph,
+                "adapter": self.gpu.name,
+                "size": args.size,
+                "frames": args.frames,
+                "seed": args.seed,
+                "files": self.files,
+            });
+            if args.stats {
+                done["stats"] = self.stats.as_json(&memory);
+            }
+            report::json(&done);
+        } else if !args.quiet || args.stats {
+            if !args.quiet {
+                for file in &self.files {
+                    report::line(file.display());
+                }
+            }
+            if args.stats {
+                report::line(self.stats.as_text(&self.gpu, args.size, &memory).trim_end());
+            }
+        }
+    }
+}

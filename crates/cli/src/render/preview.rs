@@ -1,0 +1,175 @@
+//! Signals as images: numbers for EXR, something to look at for PNG.
+
+use scumble::{Signal, signal};
+use scumble_metrics::Image;
+
+/// A dump as EXR and PNG. In the EXR a normal is its three components, an integer its low 16 bits in
+/// R and its high 16 bits in G, a scalar is grey, and anything else is as it is. In the PNG scalars
+/// and motion are scaled to their largest value, sky and holes are black, and each integer has a
+/// colour of its own.
+pub fn images(signal: Signal, size: [u32; 2], texels: &[[f32; 4]]) -> [Image; 2] {
+    let image = |f: &dyn Fn(&[f32; 4]) -> [f32; 3]| Image {
+        width: size[0],
+        height: size[1],
+        data: texels.iter().map(f).collect(),
+    };
+    let colour = |t: &[f32; 4]| [t[0], t[1], t[2]];
+    match Look::of(signal) {
+        Look::Display => [image(&colour), image(&|t| colour(t).map(finite))],
+        Look::Colour => [
+            image(&colour),
+            image(&|t| colour(t).map(scumble_metrics::srgb_from_linear)),
+        ],
+        Look::Normal => {
+            let normal = |t: &[f32; 4]| octahedral(t[0].to_bits());
+            [image(&normal), image(&|t| normal(t).map(|x| 0.5 * x + 0.5))]
+        }
+        Look::Integer => {
+            let halves = |t: &[f32; 4]| {
+                let bits = t[0].to_bits();
+                [(bits & 0xffff) as f32, (bits >> 16) as f32, 0.0]
+            };
+            [image(&halves), image(&|t| hashed(t[0].to_bits()))]
+        }
+        Look::Scalar => {
+            let scale = largest(texels, 1);
+            let shown = |t: &[f32; 4]| {
+                if is_value(t[0]) {
+                    t[0].max(0.0) / scale
+                } else {
+                    0.0
+                }
+            };
+            [image(&|t| [t[0]; 3]), image(&|t| [shown(t); 3])]
+        }
+        Look::Signed => {
+            let scale = largest(texels, 3);
+            let shown = |x: f32| {
+                if is_value(x) {
+                    0.5 + 0.5 * x / scale
+                } else {
+                    0.0
+                }
+            };
+            [image(&colour), image(&|t| colour(t).map(shown))]
+        }
+    }
+}
+
+enum Look {
+    Display,
+    Colour,
+    Normal,
+    Integer,
+    Scalar,
+    Signed,
+}
+
+impl Look {
+    fn of(signal: Signal) -> Look {
+        let is = |all: &[Signal]| all.contains(&signal);
+        if is(&[signal::DISPLAY]) {
+            Look::Display
+        } else if is(&[signal::NORMAL, signal::GEO_NORMAL]) {
+            Look::Normal
+        } else if is(&[signal::SURFACE_ID, signal::MASK]) {
+            Look::Integer
+        } else if is(&[signal::VIEW_Z, signal::HIT_T, signal::VARIANCE, signal::AGE]) {
+            Look::Scalar
+        } else if is(&[signal::MOTION, signal::POSITION, signal::MOMENTS]) {
+            Look::Signed
+        } else {
+            Look::Colour
+        }
+    }
+}
+
+/// Sky is 1e30; nothing that is seen is near it.
+fn is_value(x: f32) -> bool {
+    x.is_finite() && x.abs() < 1e29
+}
+
+fn finite(x: f32) -> f32 {
+    if x.is_finite() { x } else { 0.0 }
+}
+
+/// The largest magnitude of the first `count` components, and 1 where all are 0.
+fn largest(texels: &[[f32; 4]], count: usize) -> f32 {
+    let values = texels
+        .iter()
+        .flat_map(|t| &t[..count])
+        .filter(|x| is_value(**x));
+    let largest = values.fold(0.0_f32, |most, x| most.max(x.abs()));
+    if largest > 0.0 { largest } else { 1.0 }
+}
+
+/// The unit vector of an octahedral map in 2 x snorm16 (Cigolle et al. 2014, "A Survey of Efficient
+/// Representations for Independent Unit Vectors").
+fn octahedral(word: u32) -> [f32; 3] {
+    let snorm = |bits: u32| (f32::from(bits as u16 as i16) / 32767.0).max(-1.0);
+    let (x, y) = (snorm(word), snorm(word >> 16));
+    let z = 1.0 - x.abs() - y.abs();
+    let fold = (-z).max(0.0);
+    let n = [x - fold.copysign(x), y - fold.copysign(y), z];
+    let length = n.iter().map(|c| c * c).sum::<f32>().sqrt();
+    n.map(|c| c / length)
+}
+
+/// A colour of its own for each integer, black for 0.
+fn hashed(word: u32) -> [f32; 3] {
+    if word == 0 {
+        return [0.0; 3];
+    }
+    // The finaliser of MurmurHash3: every bit of the word reaches every channel.
+    let mut h = word;
+    h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);
+    h = (h ^ (h >> 13)).wrapping_mul(0xc2b2_ae35);
+    h ^= h >> 16;
+    [h, h >> 8, h >> 16].map(|c| 0.2 + 0.8 * f32::from(c as u8) / 255.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn png(signal: Signal, texels: &[[f32; 4]]) -> Vec<[f32; 3]> {
+        let [_, png] = images(signal, [texels.len() as u32, 1], texels);
+        png.data
+    }
+
+    #[test]
+    fn octahedral_axes() {
+        for (word, axis) in [
+            (0x0000_7fff, [1.0, 0.0, 0.0]),
+            (0x8001_0000, [0.0, -1.0, 0.0]),
+            (0x0000_0000, [0.0, 0.0, 1.0]),
+            (0x7fff_7fff, [0.0, 0.0, -1.0]),
+        ] {
+            let found = octahedral(word);
+            for (a, b) in found.iter().zip(axis) {
+                assert!((a - b).abs() < 1e-6, "{word:08x}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn sky_does_not_darken_depth() {
+        let texels = [2.0, 4.0, 1e30, -1.0].map(|z| [z, 0.0, 0.0, 1.0]);
+        assert_eq!(
+            png(signal::VIEW_Z, &texels),
+            [[0.5; 3], [1.0; 3], [0.0; 3], [0.0; 3]]
+        );
+    }
+
+    #[test]
+    fn no_motion_is_grey() {
+        assert_eq!(png(signal::MOTION, &[[0.0, 0.0, 0.0, 1.0]]), [[0.5; 3]]);
+    }
+
+    #[test]
+    fn integers_keep_all_bits() {
+        let texel = [f32::from_bits(0x0012_0034), 0.0, 0.0, 1.0];
+        let [exr, _] = images(signal::SURFACE_ID, [1, 1], &[texel]);
+        assert_eq!(exr.data, [[52.0, 18.0, 0.0]]);
+    }
+}
