@@ -9,6 +9,14 @@
 use scumble::Registry;
 
 // Tracers.
+#[path = "direct-lighting/mod.rs"]
+pub mod direct_lighting;
+pub mod gbuffer;
+#[path = "path-trace/mod.rs"]
+pub mod path_trace;
+#[path = "sparse-indirect/mod.rs"]
+pub mod sparse_indirect;
+mod tracing;
 
 // Filters.
 pub mod bilateral;
@@ -30,6 +38,11 @@ pub fn registry() -> Registry {
     let mut registry = Registry::new();
     registry.add_wgsl_module("passes/guides.wgsl", include_str!("shared/guides.wgsl"));
     // Tracers.
+    tracing::add_modules(&mut registry);
+    registry.add::<direct_lighting::DirectLighting>();
+    registry.add::<gbuffer::Gbuffer>();
+    registry.add::<path_trace::PathTrace>();
+    registry.add::<sparse_indirect::SparseIndirect>();
 
     // Filters.
     registry.add::<bilateral::Bilateral>();
