@@ -1,0 +1,110 @@
+//! `sparse-indirect`: its grid, its guides, and its light against path tracing at full resolution.
+
+use crate::common::rig::Rig;
+use crate::common::scenes::room;
+use crate::common::statistics::{Estimate, from_moments, luminance, mean, sigmas};
+
+/// Texel i is traced at min(i spacing + phase, size - 1), and the guides are that pixel's, bit by bit.
+#[test]
+fn guides_are_those_of_the_traced_pixel() {
+    for (size, spacing, phase) in [
+        ([37, 21], 8, -1),
+        ([37, 21], 8, 0),
+        ([37, 21], 16, 15),
+        ([1, 1], 16, -1),
+        ([5, 3], 1, -1),
+    ] {
+        let graph = format!(
+            r#"(version: 1, about: "test", passes: [
+                (use: "gbuffer", with: (source: RayTraced)),
+                (use: "sparse-indirect", with: (spacing: {spacing}, samples: 1, max_bounces: 0, phase: {phase})),
+            ], outputs: {{"pixel": "sparse-indirect.pixel", "e": "sparse-indirect.irradiance",
+                "normal": "gbuffer.normal", "normal2": "sparse-indirect.normal",
+                "view_z": "gbuffer.view_z", "view_z2": "sparse-indirect.view_z",
+                "surface_id": "gbuffer.surface_id", "surface_id2": "sparse-indirect.surface_id",
+                "motion": "gbuffer.motion", "motion2": "sparse-indirect.motion"}})"#
+        );
+        let mut rig = Rig::new(&graph, room(), size);
+        let mut input = rig.still(0, 1);
+        input.previous_camera.y_fov *= 1.01;
+        rig.render(&input);
+        let grid = size.map(|n: u32| n.div_ceil(spacing));
+        let phase = if phase < 0 { spacing / 2 } else { phase as u32 };
+        let pixels = rig.bits("pixel");
+        assert_eq!(pixels.len() as u32, grid[0] * grid[1]);
+        let guides = ["normal", "view_z", "surface_id", "motion"]
+            .map(|g| (rig.bits(g), rig.bits(&format!("{g}2"))));
+        for j in 0..grid[1] {
+            for i in 0..grid[0] {
+                let texel = (j * grid[0] + i) as usize;
+                let expected = [
+                    (i * spacing + phase).min(size[0] - 1),
+                    (j * spacing + phase).min(size[1] - 1),
+                ];
+                assert_eq!(pixels[texel][..2], expected);
+                let pixel = (expected[1] * size[0] + expected[0]) as usize;
+                for (full, sparse) in &guides {
+                    assert_eq!(full[pixel], sparse[texel], "texel {texel}");
+                }
+            }
+        }
+    }
+}
+
+/// With one traced pixel per pixel it is path-trace's indirect part, within noise.
+#[test]
+fn spacing_one_is_path_tracing() {
+    // 80 samples: lanes with one and with two of them.
+    const N: u32 = 80;
+    let graph = format!(
+        r#"(version: 1, about: "test", sky: Indirect, passes: [
+            (use: "gbuffer", with: (source: RayTraced)),
+            (use: "sparse-indirect", with: (spacing: 1, samples: {N}, max_bounces: 3)),
+            (use: "path-trace", with: (samples: {N}, max_bounces: 3, parts: Indirect)),
+        ], outputs: {{"id": "gbuffer.surface_id", "e": "sparse-indirect.irradiance", "s": "sparse-indirect.specular",
+            "t": "sparse-indirect.hit_t", "t2": "path-trace.hit_t",
+            "e2": "path-trace.irradiance_moments", "s2": "path-trace.specular_moments"}})"#
+    );
+    let mut rig = Rig::new(&graph, room(), [24, 20]);
+    rig.render(&rig.still(0, 1));
+    let ids = rig.words("id");
+    for (sparse, path) in [("e", "e2"), ("s", "s2")] {
+        let (mut a, mut b) = (Vec::new(), Vec::new());
+        for ((texel, moments), id) in rig.read(sparse).into_iter().zip(rig.read(path)).zip(&ids) {
+            if *id != 0 {
+                let path = from_moments(moments, N);
+                // The same estimator with as many samples has the same variance.
+                a.push(Estimate {
+                    mean: luminance(texel),
+                    variance: path.variance,
+                });
+                b.push(path);
+            } else {
+                assert_eq!(texel[..3], [0.0; 3]);
+            }
+        }
+        assert!(
+            mean(&b).variance.sqrt() < 0.03 * mean(&b).mean,
+            "too noisy to say: {:?}",
+            mean(&b)
+        );
+        assert!(
+            sigmas(mean(&a), mean(&b)).abs() < 4.5,
+            "{sparse}: {:?} for {:?}",
+            mean(&a),
+            mean(&b)
+        );
+    }
+    // Both means are over about N segments: compared over the image, 5 %.
+    let lengths = |output: &str| {
+        let finite: Vec<f64> = rig
+            .read(output)
+            .into_iter()
+            .map(|t| f64::from(t[0]))
+            .filter(|t| *t < 1e29)
+            .collect();
+        finite.iter().sum::<f64>() / finite.len() as f64
+    };
+    let (a, b) = (lengths("t"), lengths("t2"));
+    assert!(a > 0.1 && a < 4.0 && (a / b - 1.0).abs() < 0.05, "{a} {b}");
+}
