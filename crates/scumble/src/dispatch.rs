@@ -4,8 +4,9 @@ use std::rc::Rc;
 
 use framegraph::{Buffer, ComputeKernel, ComputeNode, Size, Texture, View};
 
+use crate::frame_state::Side;
 use crate::kernel_plan::{Fill, KernelPlan, Source, UniformPlan, builtin_value, member_hint};
-use crate::pass_frame::{PassFrame, RecordError, Side};
+use crate::pass_frame::{PassFrame, RecordError};
 use crate::uniform::{UniformValue, wgsl_member_type};
 use crate::wgsl::{did_you_mean, nearest};
 

@@ -292,7 +292,7 @@ pub(crate) fn member_hint(name: &str, info: &PassInfo) -> String {
 pub(crate) fn builtin_value(
     builtin: Builtin,
     info: &PassInfo,
-    shared: &crate::pass_frame::Shared<'_>,
+    shared: &crate::frame_state::Shared<'_>,
 ) -> UniformValue {
     let (input, m) = (shared.input, &shared.matrices);
     match builtin {

@@ -9,6 +9,7 @@ pub mod diagnostics;
 mod dispatch;
 pub mod file;
 mod frame_input;
+mod frame_state;
 mod host;
 mod kernel_plan;
 pub mod params;
@@ -39,7 +40,7 @@ pub use params::{
 pub use pass::{AnyPass, Bypass, BypassKind, Filter, Needs, Pass, SkySide, build_any};
 pub use pass_frame::{PassFrame, RecordError, Stat, Upstream};
 pub use pipeline::{
-    NameError, PassBuildError, Pipeline, PipelineError, RenderError, Report, ReportValue,
+    History, NameError, PassBuildError, Pipeline, PipelineError, RenderError, Report, ReportValue,
     Requirements, StatsError, Unmet,
 };
 pub use port::{FirstFrame, Port, PortSignal, Resolution};

@@ -6,9 +6,9 @@ use framegraph::Label;
 
 use super::{Built, Feedback, PassBuildError, Pipeline, PipelineError};
 use crate::context::{BuildContext, BuildError, PassInfo};
+use crate::frame_state::{OutputSlot, PassState};
 use crate::host::Host;
 use crate::pass::BypassKind;
-use crate::pass_frame::{OutputSlot, PassState};
 use crate::port::Resolution;
 use crate::resolve::{Resolved, Source};
 

@@ -6,9 +6,10 @@ use super::build::Wire;
 use super::resample::Mapping;
 use super::{Pipeline, RenderError, check_size};
 use crate::frame_input::FrameInput;
+use crate::frame_state::{Matrices, OutputSlot, Shared, Side};
 use crate::host::Host;
 use crate::pass::{BypassKind, Filter};
-use crate::pass_frame::{Matrices, OutputSlot, PassFrame, RecordError, Shared, Side, Stat};
+use crate::pass_frame::{PassFrame, RecordError, Stat};
 use crate::port::FirstFrame;
 
 /// The frame's handles that are no pass's output.

@@ -13,17 +13,18 @@ use std::sync::{Arc, OnceLock};
 use framegraph::{Debug, Label, Pool};
 
 use crate::context::PassInfo;
+use crate::frame_state::{OutputSlot, PassState, StandIns};
 use crate::host::Host;
 use crate::params::Value;
 use crate::pass::AnyPass;
-use crate::pass_frame::{OutputSlot, PassState, StandIns, Upstream};
+use crate::pass_frame::Upstream;
 use crate::registry::Registry;
 use crate::resolve::Resolved;
 use crate::wgsl::{Modules, did_you_mean, nearest};
 
 pub use error::{NameError, PassBuildError, PipelineError, RenderError, Unmet};
 pub use requirements::Requirements;
-pub use stats::{Report, ReportValue, StatsError};
+pub use stats::{History, Report, ReportValue, StatsError};
 
 use build::Wire;
 use resample::Resampler;

@@ -25,6 +25,17 @@ pub enum ReportValue {
     Text(String),
 }
 
+/// A texture that is kept across frames.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct History {
+    /// `pass.port` or `pass/name`.
+    pub name: String,
+    /// Number of the frame in which it last started anew.
+    pub since: u64,
+    /// Why it did.
+    pub reason: String,
+}
+
 /// Why the GPU's numbers cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cannot read back from the GPU: {0}")]
@@ -101,6 +112,35 @@ impl Pipeline {
             .first_chunk::<4>()
             .map_or(0, |word| u32::from_le_bytes(*word));
         Ok(f64::from(word))
+    }
+
+    /// Every texture that is kept across frames, with when and why it last started anew: outputs
+    /// that are read in the next frame as `pass.port`, a pass's own as `pass/name`.
+    pub fn histories(&self) -> Vec<History> {
+        let own = self.passes.iter().flat_map(|built| {
+            let state = &built.state;
+            state.histories.iter().map(move |label| {
+                let forgotten = state.forgotten.iter().find(|(l, _, _)| l == label);
+                (
+                    label,
+                    forgotten.map(|(_, since, reason)| (*since, reason.as_str())),
+                )
+            })
+        });
+        let all = self.feedback.iter().map(|f| (&f.label, None)).chain(own);
+        let history = |(label, forgotten): (&Label, Option<(u64, &str)>)| {
+            let info = self.pool.history(label)?;
+            let (since, reason) = match forgotten.filter(|(since, _)| *since > info.since) {
+                Some((since, reason)) => (since, reason.to_owned()),
+                None => (info.since, info.reset.to_string()),
+            };
+            Some(History {
+                name: label.to_string(),
+                since,
+                reason,
+            })
+        };
+        all.filter_map(history).collect()
     }
 
     /// Whether [`Pipeline::plan_text`] is made for each frame; off at first, since it costs time.

@@ -3,6 +3,7 @@
 mod bypass;
 mod conformance;
 mod errors;
+mod needs;
 mod parameters;
 mod past;
 mod rig;

@@ -148,6 +148,15 @@ fn a_pass_may_forget_its_own_past() {
         rig.pipeline.upstream("mean").unwrap().changed.as_deref(),
         Some("time: 0 s -> 1 s")
     );
+    let history = &rig.pipeline.histories()[0];
+    assert_eq!(
+        (
+            history.name.as_str(),
+            history.since,
+            history.reason.as_str()
+        ),
+        ("mean/sum", 3, "time: 0 s -> 1 s")
+    );
     assert_eq!(count(&mut rig, &later), 2.0);
     assert_eq!(
         count(
@@ -160,4 +169,31 @@ fn a_pass_may_forget_its_own_past() {
         1.0
     );
     assert_eq!(count(&mut rig, &later), 2.0);
+}
+
+#[test]
+fn a_forgotten_past_still_begins_a_new_one() {
+    let Some(_) = gpu() else { return };
+    let rows: &[Row] = &[
+        ("ramp", "ramp", &[]),
+        ("delay", "delay", &[("value", "ramp.value")]),
+    ];
+    let mut rig = Rig::new(graph(&registry(), rows, &[("out", "delay.value")]), [4, 4]);
+    let mut seen = |gain: f64, time: f32| {
+        rig.set("ramp.gain", scumble::Value::Float(gain));
+        rig.render(&FrameInput {
+            time,
+            ..FrameInput::default()
+        });
+        rig.read("out")[5][0]
+    };
+    assert_eq!(
+        [seen(1.0, 0.0), seen(2.0, 0.0), seen(3.0, 0.0)],
+        [-1.0, 101.0, 202.0]
+    );
+    // What is kept in the frame that forgets is what the next one sees, not what was kept before.
+    assert_eq!(
+        [seen(4.0, 1.0), seen(5.0, 1.0), seen(6.0, 1.0)],
+        [-1.0, 404.0, 505.0]
+    );
 }

@@ -17,7 +17,7 @@ pub fn registry() -> Registry {
         .add::<Past<2>>()
         .add::<Down>()
         .add::<Up>();
-    registry.add::<Mean>().add::<Gate>();
+    registry.add::<Mean>().add::<Delay>().add::<Gate>();
     registry
 }
 
@@ -378,6 +378,76 @@ impl Pass for Mean {
             .dispatch("mean", &self.kernel)
             .texture("before", before);
         dispatch.write("after", sum.current).0.over(size)
+    }
+}
+
+/// Last frame's value, forgotten on a cut of time; the value is kept in a node of its own.
+pub struct Delay {
+    keep: ComputeKernel,
+    show: ComputeKernel,
+    time: f32,
+}
+
+const DELAY: &str = "
+@group(0) @binding(0) var value: texture_2d<f32>;
+@group(0) @binding(1) var kept: texture_2d<f32>;
+@group(0) @binding(2) var out_value: texture_storage_2d<{{value.format}}, write>;
+@group(0) @binding(3) var next: texture_storage_2d<rgba32float, write>;
+@compute @workgroup_size(8, 8)
+fn keep(@builtin(global_invocation_id) id: vec3u) {
+    textureStore(next, id.xy, textureLoad(value, id.xy, 0));
+}
+@compute @workgroup_size(8, 8)
+fn show(@builtin(global_invocation_id) id: vec3u) {
+    textureStore(out_value, id.xy, textureLoad(kept, id.xy, 0));
+}";
+
+impl Pass for Delay {
+    type Params = NoParams;
+    const NAME: &'static str = "delay";
+    const ABOUT: &'static str = "Last frame's value";
+    const README: &'static str = "v@prev";
+
+    fn inputs() -> Vec<Port> {
+        vec![Port::any("value").about("now")]
+    }
+
+    fn outputs() -> Vec<Port> {
+        vec![Port::any("value").about("then")]
+    }
+
+    fn build(ctx: &BuildContext<'_>, _p: &NoParams) -> Result<Self, BuildError> {
+        let kernel = |entry| ctx.kernel("delay.wgsl", DELAY, entry);
+        Ok(Delay {
+            keep: kernel("keep")?,
+            show: kernel("show")?,
+            time: 0.0,
+        })
+    }
+
+    fn record(&mut self, _p: &NoParams, frame: &mut PassFrame<'_, '_>) -> Result<(), RecordError> {
+        let size = frame.size_of("value");
+        let time = frame.input_frame().time;
+        if time != self.time {
+            self.time = time;
+            frame.reset_history("kept", "the time changed");
+        }
+        let kept = frame.history(
+            "kept",
+            wgpu::TextureFormat::Rgba32Float,
+            size,
+            First::Clear([-1.0; 4]),
+        );
+        let before = kept.previous[0].ok_or_else(|| RecordError::Failed("no past".to_owned()))?;
+        frame
+            .dispatch("show", &self.show)
+            .texture("kept", before)
+            .over(size)?;
+        frame
+            .dispatch("keep", &self.keep)
+            .write("next", kept.current)
+            .0
+            .over(size)
     }
 }
 
