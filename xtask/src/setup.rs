@@ -85,11 +85,14 @@ pub fn run() -> Done {
         ));
     }
     let root = id_of_user() == Some(0);
-    for words in plan(&|program| on_path(program), root).map_err(impossible)? {
-        eprintln!("There is no Vulkan driver here. Installing Mesa's software driver:");
-        run_command(command(&words[0], &words[1..]))
-            .map_err(|e| impossible(format!("{}; {BY_HAND}", e.message)))?;
+    let plan = plan(&|program| on_path(program), root).map_err(impossible)?;
+    eprintln!("There is no Vulkan driver here. Installing Mesa's software driver:");
+    let mut done = Ok(());
+    for words in plan {
+        done = run_command(command(&words[0], &words[1..]));
     }
+    // The last step decides: stale package lists may be good enough.
+    done.map_err(|e| impossible(format!("{}; {BY_HAND}", e.message)))?;
     if has_adapter()? {
         return Ok(());
     }
