@@ -56,6 +56,7 @@ impl Plan<'_> {
             }
             if let Some((set, first)) = &queries {
                 pass.write_timestamp(set, *first);
+                pool.timer.wait(&mut pass);
             }
             if last != face.id {
                 pass.set_pipeline(&kernel.0.pipeline);
@@ -80,6 +81,7 @@ impl Plan<'_> {
             }
             if let Some((set, first)) = &queries {
                 pass.write_timestamp(set, first + 1);
+                pool.timer.wait(&mut pass);
             }
             if debug.labels {
                 pass.pop_debug_group();

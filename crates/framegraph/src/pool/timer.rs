@@ -7,8 +7,9 @@ use crate::handle::Label;
 pub struct NodeTiming {
     /// The node's name.
     pub name: Label,
-    /// From the start of the node to its end. Nodes may overlap on the GPU, so the sum can exceed the
-    /// frame; the first dispatch of a pipeline may include its compilation by the driver.
+    /// From the start of the node to its end. While nodes are timed they wait for each other, so that
+    /// none is charged with another's work and the sum is the frame; the first dispatch of a pipeline
+    /// may include its compilation by the driver.
     pub nanoseconds: u64,
 }
 
@@ -21,12 +22,22 @@ pub(crate) struct Timer {
     resolve: Option<wgpu::Buffer>,
     read: Option<wgpu::Buffer>,
     names: Vec<Label>,
+    /// Nobody reads it: a barrier on it is what nodes wait at.
+    wait: Option<wgpu::Buffer>,
 }
 
 impl Timer {
     /// Forgets the last plan's measurements.
     pub fn begin(&mut self, device: &wgpu::Device, nodes: usize) {
         self.names.clear();
+        self.wait.get_or_insert_with(|| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("framegraph wait"),
+                size: 4,
+                usage: wgpu::BufferUsages::STORAGE,
+                mapped_at_creation: false,
+            })
+        });
         while (self.sets.len() * PER_SET as usize) < 2 * nodes {
             self.sets
                 .push(device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -43,6 +54,18 @@ impl Timer {
         let set = self.sets.get((query / PER_SET) as usize)?.clone();
         self.names.push(name.clone());
         Some((set, query % PER_SET))
+    }
+
+    /// A barrier between a timestamp and the dispatch beside it. Independent dispatches have none of their
+    /// own: on a GPU they overlap, and llvmpipe writes a timestamp only when a barrier makes it.
+    pub fn wait(&self, pass: &mut wgpu::ComputePass<'_>) {
+        // Writable storage twice in a row: the one transition that wgpu never leaves out.
+        let state = wgpu::BufferUses::STORAGE_READ_WRITE;
+        let waited = self
+            .wait
+            .iter()
+            .map(|buffer| wgpu::BufferTransition { buffer, state });
+        pass.transition_resources(waited, std::iter::empty());
     }
 
     /// Records the copy of all queries to a buffer that can be read.
