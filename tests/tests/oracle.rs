@@ -1,0 +1,195 @@
+//! Full path tracing against an independent renderer: images of the same files with the same BRDF by Mitsuba 3.
+//!
+//! The scenes and images are not in the repository: `SCUMBLE_SHARED` names the folder with `scenes/` and `oracle/`.
+//! By default images are small (the oracle box-downsampled) and samples few; `SCUMBLE_FULL=1` renders them whole at
+//! 512 spp, which takes the better part of an hour on a CPU.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::Mat4;
+use scumble::{Camera, Edits, FrameInput, Host, Pipeline, readback, resolve_text};
+use scumble_metrics::{BlockError, Image, block_error};
+use scumble_scene::{GpuScene, LoadOptions, MaterialOverride, load};
+
+/// Recombined radiance of full path tracing with a box pixel filter: one Halton point per frame.
+const GRAPH: &str = r#"(version: 1, about: "reference", passes: [
+        (use: "gbuffer", with: (source: RayTraced, jitter: Halton)),
+        (use: "path-trace", with: (samples: 2, max_bounces: 4, parts: Both)),
+    ], outputs: {"radiance": "path-trace.radiance", "emission": "gbuffer.emission"})"#;
+/// Samples per pixel of a frame, as in the graph.
+const SAMPLES: u32 = 2;
+
+struct Case {
+    scene: &'static str,
+    oracle: &'static str,
+    lambert: bool,
+    /// Factor of the small version.
+    shrink: u32,
+    /// Samples per pixel of the small version.
+    spp: u32,
+    /// How far image means may lie apart.
+    mean: f64,
+}
+
+/// Two independent halves of one rendering.
+struct Halves([Image; 2]);
+
+impl Halves {
+    fn whole(&self) -> Image {
+        let [a, b] = &self.0;
+        let data = a
+            .data
+            .iter()
+            .zip(&b.data)
+            .map(|(a, b)| [0, 1, 2].map(|c| 0.5 * (a[c] + b[c])))
+            .collect();
+        Image::new(a.width, a.height, data).unwrap()
+    }
+}
+
+fn render(case: &Case, shared: &std::path::Path, size: [u32; 2], spp: u32) -> Halves {
+    let options = LoadOptions {
+        material_override: case.lambert.then_some(MaterialOverride::Lambert),
+        ..LoadOptions::default()
+    };
+    let scene = load(&shared.join("scenes").join(case.scene), &options).unwrap();
+    let seen = &scene.cameras[0];
+    let camera = Camera {
+        world_from_view: Mat4::from(seen.world_from_view),
+        y_fov: seen.y_fov,
+        near: seen.near,
+    };
+
+    let instance = wgpu::Instance::default();
+    let adapter =
+        pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+            .unwrap();
+    let (device, queue) =
+        pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).unwrap();
+    let registry = scumble_passes::registry();
+    let resolved = resolve_text("oracle.ron", GRAPH, &registry, &Edits::default()).unwrap();
+    let mut host = Host::new();
+    host.insert(
+        "Scene",
+        GpuScene::new(&device, &queue, Arc::new(scene)).unwrap(),
+    );
+    let mut pipeline = Pipeline::new(&device, &queue, &registry, resolved, &host, size).unwrap();
+
+    // The first and the second half of the frames: both spread evenly over the pixel, which even and odd ones would not.
+    let half = (spp / SAMPLES).div_ceil(2);
+    let mut sums = [(); 2].map(|()| vec![[0f64; 3]; (size[0] * size[1]) as usize]);
+    for frame in 0..2 * half {
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let input = FrameInput {
+            frame,
+            seed: 1,
+            ..FrameInput::still(camera)
+        };
+        pipeline.render(&mut encoder, &input, &mut host).unwrap();
+        queue.submit([encoder.finish()]);
+        for output in ["radiance", "emission"] {
+            let texels = readback(&device, &queue, pipeline.output(output).unwrap()).unwrap();
+            for (sum, texel) in sums[usize::from(frame >= half)].iter_mut().zip(texels) {
+                (0..3).for_each(|c| sum[c] += f64::from(texel[c]));
+            }
+        }
+    }
+    Halves(sums.map(|sum| {
+        let n = f64::from(half);
+        let data = sum.into_iter().map(|c| c.map(|x| (x / n) as f32)).collect();
+        Image::new(size[0], size[1], data).unwrap()
+    }))
+}
+
+fn check(case: &Case) {
+    let Some(shared) = std::env::var_os("SCUMBLE_SHARED").map(PathBuf::from) else {
+        eprintln!(
+            "SKIPPED {}: SCUMBLE_SHARED does not say where scenes/ and oracle/ are",
+            case.oracle
+        );
+        return;
+    };
+    let full = std::env::var_os("SCUMBLE_FULL").is_some_and(|v| v == "1");
+    let oracle = scumble_metrics::read(shared.join("oracle").join(case.oracle)).unwrap();
+    let (oracle, spp) = match full {
+        true => (oracle, 512),
+        false => (oracle.box_downsample(case.shrink).unwrap(), case.spp),
+    };
+    let halves = render(case, &shared, [oracle.width, oracle.height], spp);
+    let ours = halves.whole();
+    let against: BlockError = block_error(&ours, &oracle).unwrap();
+    let noise: BlockError = block_error(&halves.0[0], &halves.0[1]).unwrap();
+    println!(
+        "{} at {}x{}, {spp} spp: {against:?}; halves: {noise:?}",
+        case.oracle, ours.width, ours.height
+    );
+    // Half the difference of the halves is one draw of the noise of the mean: small against what is allowed, or the
+    // comparison says nothing.
+    assert!(
+        0.5 * noise.mean.abs() < 0.5 * case.mean,
+        "{}: too noisy to say: {noise:?}",
+        case.oracle
+    );
+    assert!(
+        against.mean.abs() < case.mean,
+        "{}: {against:?}",
+        case.oracle
+    );
+    // Errors of 16x16 block means: twice what two halves differ by, one per cent for the oracle's own noise.
+    let limit = (2.0 * noise.p95 + 0.01).min(0.08);
+    assert!(
+        against.p95 <= limit,
+        "{}: p95 {} above {limit}; {noise:?}",
+        case.oracle,
+        against.p95
+    );
+}
+
+#[test]
+fn coffee_lambert() {
+    check(&Case {
+        scene: "coffee.glb",
+        oracle: "coffee-diffuse.exr",
+        lambert: true,
+        shrink: 5,
+        spp: 128,
+        mean: 0.01,
+    });
+}
+
+#[test]
+fn coffee_gltf() {
+    check(&Case {
+        scene: "coffee.glb",
+        oracle: "coffee-gltf.exr",
+        lambert: false,
+        shrink: 5,
+        spp: 128,
+        mean: 0.02,
+    });
+}
+
+#[test]
+fn kitchen_lambert() {
+    check(&Case {
+        scene: "kitchen.glb",
+        oracle: "kitchen-diffuse.exr",
+        lambert: true,
+        shrink: 5,
+        spp: 128,
+        mean: 0.01,
+    });
+}
+
+#[test]
+fn kitchen_gltf() {
+    check(&Case {
+        scene: "kitchen.glb",
+        oracle: "kitchen-gltf.exr",
+        lambert: false,
+        shrink: 5,
+        spp: 128,
+        mean: 0.02,
+    });
+}
