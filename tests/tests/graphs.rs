@@ -1,0 +1,126 @@
+//! Every graph of this repository resolves with the passes of this repository, and wires what it means to.
+
+use std::path::{Path, PathBuf};
+
+use scumble::{Edits, Resolved, Source, resolve};
+
+fn graphs() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../graphs");
+    let entries = std::fs::read_dir(folder).unwrap();
+    let files = entries.map(|entry| entry.unwrap().path());
+    files
+        .filter(|path| path.extension().is_some_and(|e| e == "ron"))
+        .collect()
+}
+
+fn graph(name: &str) -> Resolved {
+    let path = graphs()
+        .into_iter()
+        .find(|path| path.file_stem().unwrap() == name)
+        .unwrap();
+    match resolve(path, &scumble_passes::registry(), &Edits::default()) {
+        Ok(graph) => graph,
+        Err(mistakes) => panic!("{mistakes}"),
+    }
+}
+
+fn reads(graph: &Resolved, pass: &str, input: &str) -> String {
+    let (_, pass) = graph.pass(pass).unwrap();
+    let (_, source) = pass.inputs.iter().find(|(name, _)| name == input).unwrap();
+    source
+        .as_ref()
+        .map_or("nothing".into(), |source| graph.source_name(source))
+}
+
+#[test]
+fn every_graph_resolves_and_says_what_it_is() {
+    let files = graphs();
+    assert!(files.len() >= 9, "the graphs are found");
+    for path in files {
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let graph = graph(&name);
+        assert!(!graph.about.is_empty(), "{name}");
+        let output = |wanted: &str| graph.outputs.iter().any(|(name, _)| name == wanted);
+        // A graph that needs inputs is a part of others; any other makes both kinds of picture.
+        assert!(
+            !graph.inputs.is_empty() || (output("display") && output("linear")),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn the_chain_is_guided_by_the_grid_and_by_the_image() {
+    let graph = graph("upsample-2016");
+    for (chain, value) in [("e", "irradiance"), ("s", "specular")] {
+        let wires = [
+            (
+                "outlier-reject",
+                "value",
+                format!("sparse-indirect.{value}"),
+            ),
+            ("outlier-reject", "view_z", "sparse-indirect.view_z".into()),
+            ("bilateral", "normal", "sparse-indirect.normal".into()),
+            ("bilateral", "view_z", "sparse-indirect.view_z".into()),
+            ("jbu", "value", format!("{chain}/bilateral.value")),
+            ("jbu", "grid_normal", "sparse-indirect.normal".into()),
+            ("jbu", "grid_view_z", "sparse-indirect.view_z".into()),
+            ("jbu", "pixel", "sparse-indirect.pixel".into()),
+            ("jbu", "normal", "gbuffer.normal".into()),
+            ("jbu", "view_z", "gbuffer.view_z".into()),
+        ];
+        for (pass, input, expected) in wires {
+            assert_eq!(
+                reads(&graph, &format!("{chain}/{pass}"), input),
+                expected,
+                "{chain}/{pass}.{input}"
+            );
+        }
+        let (_, jbu) = graph.pass(&format!("{chain}/jbu")).unwrap();
+        assert_eq!((jbu.grid, jbu.signal.unwrap().name()), (16, value));
+    }
+}
+
+#[test]
+fn variants_change_what_they_say() {
+    let bypassed = |graph: &Resolved| -> Vec<String> {
+        let passes = graph.passes.iter().filter(|pass| pass.bypassed);
+        passes.map(|pass| pass.name.clone()).collect()
+    };
+    assert_eq!(bypassed(&graph("upsample-2016")), Vec::<String>::new());
+    assert_eq!(
+        bypassed(&graph("upsample-2016-no-outlier")),
+        ["e/outlier-reject", "s/outlier-reject"]
+    );
+    assert_eq!(
+        bypassed(&graph("upsample-2016-no-bilateral")),
+        ["e/bilateral", "s/bilateral"]
+    );
+    let fine = graph("upsample-2016-spacing-8");
+    assert_eq!(fine.pass("s/jbu").unwrap().1.grid, 8);
+    let progressive = graph("upsample-2016-progressive");
+    assert_eq!(
+        reads(&progressive, "e/outlier-reject", "value"),
+        "mean-irradiance.value"
+    );
+    assert_eq!(
+        reads(&progressive, "mean-specular", "value"),
+        "sparse-indirect.specular"
+    );
+}
+
+#[test]
+fn nothing_reads_the_previous_frame_unless_a_pass_keeps_it_itself() {
+    for path in graphs() {
+        let graph = graph(&path.file_stem().unwrap().to_string_lossy());
+        let mut sources = graph
+            .passes
+            .iter()
+            .flat_map(|pass| pass.inputs.iter().filter_map(|(_, s)| s.as_ref()));
+        assert!(
+            !sources.any(|source| matches!(source, Source::Port { previous: true, .. })),
+            "{}",
+            path.display()
+        );
+    }
+}
