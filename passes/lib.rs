@@ -27,7 +27,8 @@ pub mod progressive;
 pub mod recombine;
 pub mod tonemap;
 
-/// Every pass of this crate, with the WGSL modules that their shaders include.
+/// Every pass of this crate, with the WGSL modules that their shaders include; graphs may use passes that
+/// are only a WGSL file, too.
 ///
 /// ```
 /// let registry = scumble_passes::registry();
@@ -36,6 +37,7 @@ pub mod tonemap;
 /// ```
 pub fn registry() -> Registry {
     let mut registry = Registry::new();
+    registry.set_wgsl_loader(scumble::wgsl_pass);
     registry.add_wgsl_module("passes/guides.wgsl", include_str!("shared/guides.wgsl"));
     // Tracers.
     tracing::add_modules(&mut registry);
