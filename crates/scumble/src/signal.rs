@@ -158,11 +158,11 @@ signals! {
     MATERIAL = "material", Rgba8Unorm, "base reflectance (rgb) and perceptual roughness (a)";
     SURFACE_ID = "surface_id", R32Uint, "instance and material; 0 is sky";
     HIT_T = "hit_t", R32Float, "length of the first indirect segment in metres";
-    MOMENTS = "moments", Rg32Float, "E[L] and E[L^2] of the luminance of one named signal";
+    MOMENTS = "moments", Rg32Float, "`E[L]` and `E[L^2]` of the luminance of one named signal";
     VARIANCE = "variance", R32Float, "variance of the mean luminance";
     AGE = "age", R32Float, "number of samples accumulated";
     MASK = "mask", R32Uint, "0 or not 0; the port says what for";
-    DISPLAY = "display", Rgba16Float, "tone mapped, sRGB-encoded, [0,1]";
+    DISPLAY = "display", Rgba16Float, "tone mapped, sRGB-encoded, `[0, 1]`";
     PIXEL = "pixel", Rg32Uint, "full-resolution pixel that a grid texel was traced at";
     SEED = "seed", R32Uint, "seed of the random numbers of one pixel";
 }
