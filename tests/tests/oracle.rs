@@ -4,7 +4,7 @@
 //! By default images are small (the oracle box-downsampled) and samples few; `SCUMBLE_FULL=1` renders them whole at
 //! 512 spp, which takes the better part of an hour on a CPU.
 
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::Mat4;
@@ -48,12 +48,12 @@ impl Halves {
     }
 }
 
-fn render(case: &Case, shared: &std::path::Path, size: [u32; 2], spp: u32) -> Halves {
+fn render(case: &Case, scene: &Path, size: [u32; 2], spp: u32) -> Halves {
     let options = LoadOptions {
         material_override: case.lambert.then_some(MaterialOverride::Lambert),
         ..LoadOptions::default()
     };
-    let scene = load(&shared.join("scenes").join(case.scene), &options).unwrap();
+    let scene = load(scene, &options).unwrap();
     let seen = &scene.cameras[0];
     let camera = Camera {
         world_from_view: Mat4::from(seen.world_from_view),
@@ -103,20 +103,23 @@ fn render(case: &Case, shared: &std::path::Path, size: [u32; 2], spp: u32) -> Ha
 }
 
 fn check(case: &Case) {
-    let Some(shared) = std::env::var_os("SCUMBLE_SHARED").map(PathBuf::from) else {
+    let (Some(scene), Some(oracle)) = (
+        scumble_scene::shared(format!("scenes/{}", case.scene)),
+        scumble_scene::shared(format!("oracle/{}", case.oracle)),
+    ) else {
         eprintln!(
-            "SKIPPED {}: SCUMBLE_SHARED does not say where scenes/ and oracle/ are",
-            case.oracle
+            "SKIPPED: scenes/{} and oracle/{} are not there; set SCUMBLE_SHARED to the folder that has them",
+            case.scene, case.oracle
         );
         return;
     };
     let full = std::env::var_os("SCUMBLE_FULL").is_some_and(|v| v == "1");
-    let oracle = scumble_metrics::read(shared.join("oracle").join(case.oracle)).unwrap();
+    let oracle = scumble_metrics::read(oracle).unwrap();
     let (oracle, spp) = match full {
         true => (oracle, 512),
         false => (oracle.box_downsample(case.shrink).unwrap(), case.spp),
     };
-    let halves = render(case, &shared, [oracle.width, oracle.height], spp);
+    let halves = render(case, &scene, [oracle.width, oracle.height], spp);
     let ours = halves.whole();
     let against: BlockError = block_error(&ours, &oracle).unwrap();
     let noise: BlockError = block_error(&halves.0[0], &halves.0[1]).unwrap();

@@ -56,7 +56,8 @@ impl SkyChoice {
     }
 }
 
-/// The built-in scene of that name, or the file's.
+/// The built-in scene of that name, or the file's; a name that is no file here may be one of the shared
+/// test scenes.
 pub fn load(name: &Path, changes: &SceneChanges) -> Result<Scene, Failure> {
     let sky = changes.sky.as_ref().map(SkyChoice::load).transpose()?;
     let lambert = matches!(changes.material_override, Some(Override::Lambert));
@@ -73,8 +74,10 @@ pub fn load(name: &Path, changes: &SceneChanges) -> Result<Scene, Failure> {
         return Ok(scene);
     }
     let material_override = lambert.then_some(MaterialOverride::Lambert);
+    let shared = || scumble_scene::shared(Path::new("scenes").join(name));
+    let file = (!name.exists()).then(shared).flatten();
     Ok(scumble_scene::load(
-        name,
+        file.as_deref().unwrap_or(name),
         &LoadOptions {
             material_override,
             sky,

@@ -16,6 +16,7 @@ mod gpu;
 mod model;
 mod pose;
 mod sample;
+mod shared;
 mod stats;
 
 pub use animation::Animation;
@@ -29,3 +30,4 @@ pub use model::{
     Aabb, Camera, Deformed, Instance, Light, Material, Mesh, Pose, Scene, Sky, Stats, TextureImage,
     TextureRef, Wrap,
 };
+pub use shared::shared;

@@ -1,7 +1,5 @@
 //! Motion vectors against motion computed from the poses of the scene.
 
-use std::path::PathBuf;
-
 use crate::common::geometry::{
     direction, nearest, pixel_uv, point, project, scene_camera, triangles,
 };
@@ -82,13 +80,12 @@ fn motion_of_nodes_and_camera() {
 
 #[test]
 fn motion_of_skinned_vertices() {
-    let Some(shared) = std::env::var_os("SCUMBLE_SHARED") else {
+    let Some(path) = scumble_scene::shared("scenes/CesiumMan.glb") else {
         eprintln!(
-            "SKIPPED motion_of_skinned_vertices: SCUMBLE_SHARED does not say where scenes/CesiumMan.glb is"
+            "SKIPPED: scenes/CesiumMan.glb is not there; set SCUMBLE_SHARED to the folder that has it"
         );
         return;
     };
-    let path = PathBuf::from(shared).join("scenes/CesiumMan.glb");
     let scene = scumble_scene::load(&path, &scumble_scene::LoadOptions::default()).unwrap();
     let camera = scene_camera(&scene.cameras[0]);
     let moved_camera = Camera {

@@ -5,17 +5,13 @@ use std::path::PathBuf;
 
 /// A file of the shared test scenes, or `None`, said loudly, where they are not at hand.
 pub fn shared_scene(name: &str) -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let root = std::env::var_os("SCUMBLE_SHARED").map_or(PathBuf::from(default), PathBuf::from);
-    let path = root.join("scenes").join(name);
-    if path.is_file() {
-        return Some(path);
+    let path = scumble_scene::shared(format!("scenes/{name}"));
+    if path.is_none() {
+        eprintln!(
+            "SKIPPED: scenes/{name} is not there; set SCUMBLE_SHARED to the folder that has it"
+        );
     }
-    eprintln!(
-        "SKIPPED: {} is not there; set SCUMBLE_SHARED to the folder that has scenes/{name}",
-        path.display()
-    );
-    None
+    path
 }
 
 /// A .glb of this JSON and binary chunk.
