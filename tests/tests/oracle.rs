@@ -5,12 +5,11 @@
 //! 512 spp, which takes the better part of an hour on a CPU.
 
 use std::path::Path;
-use std::sync::Arc;
 
-use glam::Mat4;
-use scumble::{Camera, Edits, FrameInput, Host, Pipeline, readback, resolve_text};
+use scumble::{Edits, resolve_text};
 use scumble_metrics::{BlockError, Image, block_error};
-use scumble_scene::{GpuScene, LoadOptions, MaterialOverride, load};
+use scumble_scene::{LoadOptions, MaterialOverride, load};
+use scumble_tests::{Renderer, View};
 
 /// Recombined radiance of full path tracing with a box pixel filter: one Halton point per frame.
 const GRAPH: &str = r#"(version: 1, about: "reference", passes: [
@@ -54,47 +53,25 @@ fn render(case: &Case, scene: &Path, size: [u32; 2], spp: u32) -> Halves {
         ..LoadOptions::default()
     };
     let scene = load(scene, &options).unwrap();
-    let seen = &scene.cameras[0];
-    let camera = Camera {
-        world_from_view: Mat4::from(seen.world_from_view),
-        y_fov: seen.y_fov,
-        near: seen.near,
-    };
-
-    let instance = wgpu::Instance::default();
-    let adapter =
-        pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-            .unwrap();
-    let (device, queue) =
-        pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).unwrap();
-    let registry = scumble_passes::registry();
-    let resolved = resolve_text("oracle.ron", GRAPH, &registry, &Edits::default()).unwrap();
-    let mut host = Host::new();
-    host.insert(
-        "Scene",
-        GpuScene::new(&device, &queue, Arc::new(scene)).unwrap(),
-    );
-    let mut pipeline = Pipeline::new(&device, &queue, &registry, resolved, &host, size).unwrap();
+    let renderer = Renderer::new();
+    let graph = resolve_text("oracle.ron", GRAPH, &renderer.registry, &Edits::default()).unwrap();
 
     // The first and the second half of the frames: both spread evenly over the pixel, which even and odd ones would not.
     let half = (spp / SAMPLES).div_ceil(2);
     let mut sums = [(); 2].map(|()| vec![[0f64; 3]; (size[0] * size[1]) as usize]);
-    for frame in 0..2 * half {
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let input = FrameInput {
-            frame,
-            seed: 1,
-            ..FrameInput::still(camera)
-        };
-        pipeline.render(&mut encoder, &input, &mut host).unwrap();
-        queue.submit([encoder.finish()]);
-        for output in ["radiance", "emission"] {
-            let texels = readback(&device, &queue, pipeline.output(output).unwrap()).unwrap();
+    let view = View {
+        scene,
+        size,
+        frames: 2 * half,
+        seed: 1,
+    };
+    renderer.render(graph, view, &["radiance", "emission"], |frame, outputs| {
+        for texels in outputs {
             for (sum, texel) in sums[usize::from(frame >= half)].iter_mut().zip(texels) {
                 (0..3).for_each(|c| sum[c] += f64::from(texel[c]));
             }
         }
-    }
+    });
     Halves(sums.map(|sum| {
         let n = f64::from(half);
         let data = sum.into_iter().map(|c| c.map(|x| (x / n) as f32)).collect();
