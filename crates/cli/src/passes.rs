@@ -3,7 +3,7 @@
 use crate::args::PassesArgs;
 use crate::failure::Failure;
 use crate::report;
-use scumble::{ParamDef, PassType, Port, PortSignal, Resolution};
+use scumble::{BypassKind, ParamDef, PassType, Port, PortSignal, Resolution};
 use serde_json::json;
 
 pub fn run(args: &PassesArgs) -> Result<(), Failure> {
@@ -99,7 +99,12 @@ fn as_text(pass: &PassType) -> String {
     text += &match pass.bypass.as_slice() {
         [] => "\nIt cannot be bypassed where its outputs are read.\n".to_owned(),
         all => {
-            let each = all.iter().map(|b| format!("{} is {}", b.output, b.input));
+            let each = all.iter().map(|b| match b.how {
+                BypassKind::Alias => format!("{} is the input {}", b.output, b.input),
+                BypassKind::Resample(_) => {
+                    format!("{} is the input {}, resampled", b.output, b.input)
+                }
+            });
             format!("\nBypassed: {}.\n", each.collect::<Vec<_>>().join(", "))
         }
     };

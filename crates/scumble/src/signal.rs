@@ -149,7 +149,7 @@ signals! {
     SPECULAR = "specular", Rgba16Float, "outgoing radiance of the specular lobe, W sr^-1 m^-2";
     EMISSION = "emission", Rgba16Float, "radiance that the visible surface or the sky emits, W sr^-1 m^-2";
     IRRADIANCE = "irradiance", Rgba16Float, "irradiance E at the visible point, W m^-2, k_d left out";
-    ALBEDO = "albedo", Rgba16Float, "k_d = base (1 - metallic), linear";
+    ALBEDO = "albedo", Rgba16Float, "k_d = base (1 - metallic), linear (rgb), and F90, 0 only for pure Lambert (a)";
     NORMAL = "normal", R32Uint, "shading normal, world space, octahedral 2 x snorm16, facing the viewer";
     GEO_NORMAL = "geo_normal", R32Uint, "geometric normal, world space, octahedral 2 x snorm16, facing the viewer";
     VIEW_Z = "view_z", R32Float, "distance along the view axis in metres, positive; 1e30 is sky, -1 a hole";
