@@ -6,17 +6,12 @@
 
 use std::path::Path;
 
-use scumble::{Edits, resolve_text};
+use scumble::{Edits, resolve};
 use scumble_metrics::{BlockError, Image, block_error};
 use scumble_scene::{LoadOptions, MaterialOverride, load};
-use scumble_tests::{Renderer, View};
+use scumble_tests::{Renderer, View, graph_file};
 
-/// Recombined radiance of full path tracing with a box pixel filter: one Halton point per frame.
-const GRAPH: &str = r#"(version: 1, about: "reference", passes: [
-        (use: "gbuffer", with: (source: RayTraced, jitter: Halton)),
-        (use: "path-trace", with: (samples: 2, max_bounces: 4, parts: Both)),
-    ], outputs: {"radiance": "path-trace.radiance", "emission": "gbuffer.emission"})"#;
-/// Samples per pixel of a frame, as in the graph.
+/// Samples per pixel of a frame.
 const SAMPLES: u32 = 2;
 
 struct Case {
@@ -54,29 +49,38 @@ fn render(case: &Case, scene: &Path, size: [u32; 2], spp: u32) -> Halves {
     };
     let scene = load(scene, &options).unwrap();
     let renderer = Renderer::new();
-    let graph = resolve_text("oracle.ron", GRAPH, &renderer.registry, &Edits::default()).unwrap();
+    let edits = Edits {
+        set: [
+            ("gbuffer.source", "RayTraced".into()),
+            ("path-trace.samples", SAMPLES.to_string()),
+        ]
+        .map(|(name, value)| (name.to_owned(), value))
+        .into(),
+        ..Edits::default()
+    };
+    let graph = resolve(graph_file("reference.ron"), &renderer.registry, &edits).unwrap();
 
     // The first and the second half of the frames: both spread evenly over the pixel, which even and odd ones would not.
+    // The second is what the mean of all has beyond that of the first.
     let half = (spp / SAMPLES).div_ceil(2);
-    let mut sums = [(); 2].map(|()| vec![[0f64; 3]; (size[0] * size[1]) as usize]);
+    let (mut first, mut second) = (Vec::new(), Vec::new());
     let view = View {
         scene,
         size,
         frames: 2 * half,
         seed: 1,
     };
-    renderer.render(graph, view, &["radiance", "emission"], |frame, outputs| {
-        for texels in outputs {
-            for (sum, texel) in sums[usize::from(frame >= half)].iter_mut().zip(texels) {
-                (0..3).for_each(|c| sum[c] += f64::from(texel[c]));
-            }
+    renderer.render(graph, view, &["linear"], |frame, mean| {
+        let mean = || mean[0].iter().map(|&[r, g, b, _]| [r, g, b]);
+        if frame + 1 == half {
+            first = mean().collect();
+        } else if frame + 1 == 2 * half {
+            let rest =
+                |(all, first): ([f32; 3], &[f32; 3])| [0, 1, 2].map(|c| 2.0 * all[c] - first[c]);
+            second = mean().zip(&first).map(rest).collect();
         }
     });
-    Halves(sums.map(|sum| {
-        let n = f64::from(half);
-        let data = sum.into_iter().map(|c| c.map(|x| (x / n) as f32)).collect();
-        Image::new(size[0], size[1], data).unwrap()
-    }))
+    Halves([first, second].map(|data| Image::new(size[0], size[1], data).unwrap()))
 }
 
 fn check(case: &Case) {

@@ -73,6 +73,14 @@ pub fn test(full: bool) -> Done {
         count.add(&line);
     }
     let status = child.wait().map_err(cannot)?;
+    let shared = std::env::var_os("SCUMBLE_SHARED").map_or(root().join("../shared"), PathBuf::from);
+    if !shared.join("scenes").is_dir() {
+        println!(
+            "\nSKIPPED: the tests on real scenes and against other renderers, since {} has no scenes/ \
+             (SCUMBLE_SHARED names the folder)",
+            shared.display()
+        );
+    }
     println!(
         "\n{} tests passed, {} failed, {} ignored, in {:.0} s",
         count.passed,

@@ -32,6 +32,10 @@ pub fn root() -> &'static Path {
 pub fn command<S: AsRef<std::ffi::OsStr>>(program: &str, args: &[S]) -> Command {
     let mut command = Command::new(program);
     command.args(args).current_dir(root());
+    // Without a desktop there is none, and software drivers print an error about it.
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
+    }
     command
 }
 

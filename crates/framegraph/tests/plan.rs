@@ -526,10 +526,10 @@ fn a_steady_frame_allocates_no_gpu_memory() {
     }
 }
 
-/// Long chains of diamonds and a wide fan compile in near-linear time: 60,000 nodes would take a
-/// quadratic compile minutes, and an exponential one forever. The bound leaves room for a slow machine.
+/// Long chains of diamonds and a wide fan have edges in proportion to their accesses. Nobody would wait
+/// for 60,000 nodes of an exponential compile; how long they take is for the benchmark to say.
 #[test]
-fn diamonds_and_fans_compile_in_near_linear_time() {
+fn diamonds_and_fans_have_as_many_edges_as_accesses() {
     let (device, queue) = noop();
     let (k, pool) = (Kernels::new(&device), Pool::new(&device, &queue));
     let mut fg = pool.frame(FRAME);
@@ -552,9 +552,8 @@ fn diamonds_and_fans_compile_in_near_linear_time() {
         look(&mut fg, &k, "fan", a);
     }
     bump(&mut fg, &k, "last", a);
-    let start = std::time::Instant::now();
     let plan = fg.compile().unwrap();
-    let took = start.elapsed();
     assert_eq!(plan.order().len(), 60_001);
-    assert!(took.as_secs_f32() < 3.0, "{took:?}");
+    // Four of each diamond, and one from the last join to each look; nobody needs the bump.
+    assert_eq!(plan.edges().len(), 70_000);
 }

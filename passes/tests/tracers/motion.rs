@@ -67,15 +67,17 @@ fn motion_of_nodes_and_camera() {
     let scene = scumble_scene::builtin("moving").unwrap();
     let at = |time| scene_camera(&scene.pose(time).cameras[0]);
     let cameras = [at(0.5), at(0.55)];
-    let (hits, wrong, moved) = compare(scene, cameras, [0.5, 0.55], [96, 64], "RayTraced");
-    assert!(
-        hits > 1000 && moved > hits / 20,
-        "{hits} hits, {moved} moved"
-    );
-    assert!(
-        wrong * 1000 <= hits,
-        "{wrong} of {hits} are off by more than 0.01 pixel"
-    );
+    for source in ["RayTraced", "Raster"] {
+        let (hits, wrong, moved) = compare(scene.clone(), cameras, [0.5, 0.55], [96, 64], source);
+        assert!(
+            hits > 1000 && moved > hits / 20,
+            "{source}: {hits} hits, {moved} moved"
+        );
+        assert!(
+            wrong * 1000 <= hits,
+            "{source}: {wrong} of {hits} are off by more than 0.01 pixel"
+        );
+    }
 }
 
 #[test]
