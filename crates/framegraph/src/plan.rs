@@ -2,8 +2,9 @@
 
 use std::fmt;
 use std::ops::Range;
+use std::sync::Arc;
 
-use crate::compile::Edge;
+use crate::compile::{Edge, Schedule};
 use crate::error::Warning;
 use crate::graph::{Dispatch, FrameGraph, Work};
 use crate::handle::Subresources;
@@ -59,18 +60,13 @@ pub struct Transition {
 /// [`Plan::encode`](crate::Plan::encode) records it; `Display` prints it.
 pub struct Plan<'f> {
     pub(crate) graph: FrameGraph<'f>,
-    pub(crate) live: Vec<bool>,
-    pub(crate) edges: Vec<Edge>,
-    pub(crate) order: Vec<u32>,
-    pub(crate) steps: Vec<Step>,
-    pub(crate) transitions: Vec<Transition>,
-    pub(crate) warnings: Vec<Warning>,
+    pub(crate) schedule: Arc<Schedule>,
 }
 
 impl Plan<'_> {
     /// What is done, in order.
     pub fn steps(&self) -> &[Step] {
-        &self.steps
+        &self.schedule.steps
     }
 
     /// The name of the node that a step belongs to; for the ends of a compute pass, of a node beside it.
@@ -80,7 +76,7 @@ impl Plan<'_> {
 
     /// The states that a step finds and leaves.
     pub fn transitions(&self, step: &Step) -> &[Transition] {
-        &self.transitions[step.transitions.start as usize..step.transitions.end as usize]
+        &self.schedule.transitions[step.transitions.start as usize..step.transitions.end as usize]
     }
 
     /// The name of the resource of a transition.
@@ -90,28 +86,32 @@ impl Plan<'_> {
 
     /// Nodes that run, in order, as indices in the order of declaration.
     pub fn order(&self) -> &[u32] {
-        &self.order
+        &self.schedule.order
     }
 
     /// The hazards that the order obeys.
     pub fn edges(&self) -> &[Edge] {
-        &self.edges
+        &self.schedule.edges
     }
 
     /// Whether the n-th declared node runs.
     pub fn is_live(&self, node: u32) -> bool {
-        self.live.get(node as usize).copied().unwrap_or(false)
+        self.schedule
+            .live
+            .get(node as usize)
+            .copied()
+            .unwrap_or(false)
     }
 
     /// What is legal and probably not meant.
     pub fn warnings(&self) -> &[Warning] {
-        &self.warnings
+        &self.schedule.warnings
     }
 }
 
 impl fmt::Display for Plan<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for step in &self.steps {
+        for step in &self.schedule.steps {
             let node = &self.graph.nodes[step.node as usize];
             let inside = if step.kind == StepKind::Dispatch {
                 "  "

@@ -1,14 +1,19 @@
-//! From declaration to plan: contents -> culling -> hazards -> order -> steps. Everything is flat
-//! arrays indexed by u32, and every stage is linear in accesses but the order, which is O(n log n).
+//! From declaration to schedule: contents -> culling -> hazards -> order -> steps -> usage. Everything is
+//! flat arrays indexed by u32, and every stage is linear in accesses but the order, which is O(n log n).
 
 mod contents;
 mod cull;
 mod hazards;
 mod order;
+mod schedule;
 mod steps;
+mod usage;
 
 pub(crate) use contents::Contents;
 pub use hazards::{Edge, Hazard};
+pub(crate) use schedule::{RingNeed, Schedule};
+
+use std::sync::Arc;
 
 use crate::error::{Code, GraphErrors, Warning};
 use crate::graph::FrameGraph;
@@ -85,16 +90,23 @@ impl<'f> FrameGraph<'f> {
         let edges = hazards::edges(&self, &table, &kept.live);
         let order = order::order(&self, &kept.live, &edges);
         let (steps, transitions) = steps::steps(&self, &table, &order);
+        let usage = usage::usage(&self, &order);
+        let rings = usage::rings(&self, &kept.live, &usage);
         let mut warnings = kept.warnings;
         self.warn(&kept.wanted, &contents, &table, &mut warnings);
-        Ok(Plan {
-            graph: self,
+        let schedule = Arc::new(Schedule {
             live: kept.live,
             edges,
             order,
             steps,
             transitions,
             warnings,
+            usage,
+            rings,
+        });
+        Ok(Plan {
+            graph: self,
+            schedule,
         })
     }
 

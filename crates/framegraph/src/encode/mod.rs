@@ -6,7 +6,7 @@ mod passes;
 use std::sync::Arc;
 
 use crate::error::EncodeError;
-use crate::graph::{Kind, RingState, Shape, Work};
+use crate::graph::{Kind, RingState, Work};
 use crate::handle::{Buffer, Raw, Texture, View};
 use crate::plan::{Plan, StepKind};
 use crate::pool::{Physical, Pool};
@@ -92,59 +92,26 @@ impl<'f> Plan<'f> {
     /// Gives every resource that anything uses its memory, with the usage that is needed.
     fn materialize(&self, encoder: &mut wgpu::CommandEncoder, pool: &mut Pool) -> Vec<Physical> {
         let graph = &self.graph;
-        let mut usage = vec![0u32; graph.resources.len()];
-        let mut wanted = vec![false; graph.resources.len()];
-        for &n in &self.order {
-            let node = &graph.nodes[n as usize];
-            for a in &graph.accesses[node.accesses.start as usize..node.accesses.end as usize] {
-                usage[a.resource as usize] |= a.usage;
-                wanted[a.resource as usize] = true;
-            }
-        }
-        for export in &graph.exports {
-            let i = export.raw.resource as usize;
-            wanted[i] = true;
-            usage[i] |= match graph.resources[i].shape {
-                Shape::Texture { .. } => {
-                    (wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING).bits()
-                }
-                Shape::Buffer { .. } => wgpu::BufferUsages::COPY_SRC.bits(),
-            };
-        }
-        let mut rings = vec![0u32; graph.histories.len()];
-        for (i, r) in graph.resources.iter().enumerate() {
-            usage[i] |= r.extra_usage;
-            if let (true, Kind::Transient, Shape::Texture { format, .. }) =
-                (graph.debug.clobber, &r.kind, &r.shape)
-            {
-                let target = wgpu::TextureUsages::RENDER_ATTACHMENT;
-                let can = format
-                    .guaranteed_format_features(pool.caps.features)
-                    .allowed_usages;
-                usage[i] |= (can & target).bits();
-            }
-            if let Kind::Current(h) | Kind::Previous { history: h, .. } = r.kind {
-                rings[h as usize] |= usage[i];
-            }
-        }
-        for (h, &usage) in graph.histories.iter().zip(&rings) {
-            pool.rings.prepare(&pool.device, encoder, h, usage);
+        for (h, need) in graph.histories.iter().zip(&self.schedule.rings) {
+            pool.rings.prepare(&pool.device, encoder, h, need.usage);
         }
         graph
             .resources
             .iter()
-            .enumerate()
-            .map(|(i, r)| match &r.kind {
-                _ if !wanted[i] => Physical::None,
-                Kind::Transient => pool.store.take(&pool.device, &r.label, &r.shape, usage[i]),
-                Kind::ImportedTexture(texture) => {
+            .zip(&self.schedule.usage)
+            .map(|(r, &usage)| match (&r.kind, usage) {
+                (_, None) => Physical::None,
+                (Kind::Transient, Some(usage)) => {
+                    pool.store.take(&pool.device, &r.label, &r.shape, usage)
+                }
+                (Kind::ImportedTexture(texture), _) => {
                     Physical::Texture(texture.clone(), pool.cache.texture_id(texture))
                 }
-                Kind::ImportedBuffer(buffer) => {
+                (Kind::ImportedBuffer(buffer), _) => {
                     Physical::Buffer(buffer.clone(), pool.cache.buffer_id(buffer))
                 }
-                Kind::Current(h) => pool.rings.slot(&graph.histories[*h as usize], 0),
-                Kind::Previous { history, age, .. } => {
+                (Kind::Current(h), _) => pool.rings.slot(&graph.histories[*h as usize], 0),
+                (Kind::Previous { history, age, .. }, _) => {
                     pool.rings.slot(&graph.histories[*history as usize], *age)
                 }
             })
@@ -160,12 +127,15 @@ impl<'f> Plan<'f> {
         let features = pool.device.features();
         let timed =
             self.graph.debug.timestamps && features.contains(wgpu::Features::TIMESTAMP_QUERY);
-        pool.timer
-            .begin(&pool.device, if timed { self.order.len() } else { 0 });
+        pool.timer.begin(
+            &pool.device,
+            if timed { self.schedule.order.len() } else { 0 },
+        );
         if self.graph.debug.clobber {
             self.clobber(encoder, pool, physical);
         }
-        let steps = std::mem::take(&mut self.steps);
+        let schedule = self.schedule.clone();
+        let steps = &schedule.steps;
         let mut at = 0;
         while let Some(step) = steps.get(at) {
             at += 1;
@@ -259,20 +229,17 @@ impl<'f> Plan<'f> {
     /// Tells the pool what became of each history.
     fn advance(self, pool: &mut Pool) {
         let Plan {
-            mut graph, live, ..
+            mut graph,
+            schedule,
         } = self;
         if graph.histories.is_empty() {
             return;
         }
         // So that the pool's own state is the only one, and is changed in place.
         graph.states = Arc::default();
-        let mut written = vec![false; graph.resources.len()];
-        for a in &graph.accesses {
-            written[a.resource as usize] |= a.mode.writes() && live[a.node as usize];
-        }
         let frame = graph.params.frame;
         let states = Arc::make_mut(&mut pool.states);
-        for h in graph.histories {
+        for (h, need) in graph.histories.into_iter().zip(&schedule.rings) {
             let state = states.entry(h.key).or_insert_with(|| RingState {
                 shape: h.shape,
                 frames: h.frames,
@@ -292,7 +259,7 @@ impl<'f> Plan<'f> {
                 state.info.since = frame;
                 state.info.reset = reset;
             }
-            if written[h.current as usize] {
+            if need.written {
                 state.info.frames = (h.kept + 1).min(h.frames);
                 state.info.written = frame;
                 state.head = (h.head + 1) % (h.frames + 1);

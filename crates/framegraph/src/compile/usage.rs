@@ -1,0 +1,74 @@
+//! Which usage each resource needs, from what the nodes that run do with it.
+
+use super::RingNeed;
+use crate::graph::{FrameGraph, Kind, Shape};
+
+/// For each resource its usage; `None` where nothing that runs uses it.
+pub(crate) fn usage(graph: &FrameGraph<'_>, order: &[u32]) -> Vec<Option<u32>> {
+    let mut usage = vec![None; graph.resources.len()];
+    let mut need = |resource: u32, bits: u32| {
+        let known: &mut Option<u32> = &mut usage[resource as usize];
+        *known = Some(known.unwrap_or(0) | bits);
+    };
+    for &n in order {
+        let node = &graph.nodes[n as usize];
+        for a in &graph.accesses[node.accesses.start as usize..node.accesses.end as usize] {
+            need(a.resource, a.usage);
+        }
+    }
+    for export in &graph.exports {
+        let resource = export.raw.resource;
+        need(
+            resource,
+            exported_usage(&graph.resources[resource as usize].shape),
+        );
+    }
+    for (usage, r) in usage.iter_mut().zip(&graph.resources) {
+        let Some(usage) = usage else { continue };
+        *usage |= r.extra_usage;
+        if graph.debug.clobber && matches!(r.kind, Kind::Transient) {
+            *usage |= clobber_usage(graph, &r.shape);
+        }
+    }
+    usage
+}
+
+/// What each history's ring needs.
+pub(crate) fn rings(graph: &FrameGraph<'_>, live: &[bool], usage: &[Option<u32>]) -> Vec<RingNeed> {
+    let mut rings = vec![RingNeed::default(); graph.histories.len()];
+    if rings.is_empty() {
+        return rings;
+    }
+    for (r, usage) in graph.resources.iter().zip(usage) {
+        if let Kind::Current(h) | Kind::Previous { history: h, .. } = r.kind {
+            rings[h as usize].usage |= r.extra_usage | usage.unwrap_or(0);
+        }
+    }
+    for a in graph.accesses.iter().filter(|a| a.mode.writes()) {
+        if let Kind::Current(h) = graph.resources[a.resource as usize].kind {
+            rings[h as usize].written |= live[a.node as usize];
+        }
+    }
+    rings
+}
+
+/// What an export promises: to be sampled and copied.
+fn exported_usage(shape: &Shape) -> u32 {
+    match shape {
+        Shape::Texture { .. } => {
+            (wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING).bits()
+        }
+        Shape::Buffer { .. } => wgpu::BufferUsages::COPY_SRC.bits(),
+    }
+}
+
+/// Being a target, where the format certainly can be one.
+fn clobber_usage(graph: &FrameGraph<'_>, shape: &Shape) -> u32 {
+    let Shape::Texture { format, .. } = shape else {
+        return 0;
+    };
+    let can = format
+        .guaranteed_format_features(graph.caps.features)
+        .allowed_usages;
+    (can & wgpu::TextureUsages::RENDER_ATTACHMENT).bits()
+}
