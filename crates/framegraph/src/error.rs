@@ -87,6 +87,8 @@ codes! {
     HistoryUnwritten = "FG103",
     /// Warning: the device cannot measure time.
     NoTimestamps = "FG104",
+    /// Warning: dispatches that could share a compute pass do not, because they are measured.
+    SplitToMeasure = "FG105",
 }
 
 impl fmt::Display for Code {

@@ -9,6 +9,7 @@ mod handle;
 mod kernel;
 mod plan;
 mod pool;
+mod reasons;
 mod reflect;
 mod state;
 
@@ -23,6 +24,7 @@ pub use handle::{Buffer, Label, Subresources, Texture, View};
 pub use kernel::{ComputeKernel, KernelDesc, KernelError, RasterKernel, RasterKernelDesc};
 pub use plan::{Plan, Step, StepKind, Transition};
 pub use pool::{Memory, NodeTiming, Pool, ResourceMemory};
+pub use reasons::Reason;
 pub use reflect::{
     Binding, BindingAccess, BindingKind, Member, MemberType, Reflection, Sample, Scalar,
     StructLayout, WgslError,

@@ -8,6 +8,7 @@ use crate::compile::{Edge, Schedule};
 use crate::error::Warning;
 use crate::graph::{Dispatch, FrameGraph, Work};
 use crate::handle::Subresources;
+use crate::reasons::Passes;
 use crate::state::State;
 
 /// What a step does.
@@ -29,6 +30,34 @@ pub enum StepKind {
     Upload,
     /// The raw encoder in third-party hands.
     Foreign,
+}
+
+impl StepKind {
+    /// What a node with this work becomes.
+    pub(crate) fn of(work: &Work<'_>) -> StepKind {
+        match work {
+            Work::Compute { .. } => StepKind::Dispatch,
+            Work::Raster(_) => StepKind::Raster,
+            Work::CopyTexture | Work::CopyBuffer => StepKind::Copy,
+            Work::Clear(_) | Work::Zero => StepKind::Clear,
+            Work::Upload { .. } => StepKind::Upload,
+            Work::Foreign(_) | Work::None => StepKind::Foreign,
+        }
+    }
+
+    /// The word for it in the plan's text.
+    pub(crate) fn verb(self) -> &'static str {
+        match self {
+            StepKind::BeginCompute => "compute",
+            StepKind::Dispatch => "dispatch",
+            StepKind::EndCompute => "end",
+            StepKind::Raster => "raster",
+            StepKind::Copy => "copy",
+            StepKind::Clear => "clear",
+            StepKind::Upload => "upload",
+            StepKind::Foreign => "foreign",
+        }
+    }
 }
 
 /// One step of a plan. Its name and transitions are asked of the plan.
@@ -111,6 +140,9 @@ impl Plan<'_> {
 
 impl fmt::Display for Plan<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // What compute passes follow on, once there was one.
+        let mut passes = None;
+        let mut last = None;
         for step in &self.schedule.steps {
             let node = &self.graph.nodes[step.node as usize];
             let inside = if step.kind == StepKind::Dispatch {
@@ -119,10 +151,22 @@ impl fmt::Display for Plan<'_> {
                 ""
             };
             match step.kind {
-                StepKind::BeginCompute => writeln!(f, "compute")?,
+                StepKind::BeginCompute => {
+                    f.write_str("compute")?;
+                    if let Some(last) = last {
+                        let passes = passes.get_or_insert_with(|| Passes::new(self));
+                        if let Some(reason) = passes.apart(last, step.node) {
+                            write!(f, ", apart: {reason}")?;
+                        }
+                    }
+                    writeln!(f)?;
+                }
                 StepKind::EndCompute => writeln!(f, "end")?,
                 _ => {
-                    write!(f, "{inside}{} {}", verb(step.kind), node.label)?;
+                    if step.kind == StepKind::Dispatch {
+                        last = Some(step.node);
+                    }
+                    write!(f, "{inside}{} {}", step.kind.verb(), node.label)?;
                     match &node.work {
                         Work::Compute {
                             dispatch: Dispatch::Workgroups([x, y, z]),
@@ -163,19 +207,6 @@ impl fmt::Display for Plan<'_> {
             )?;
         }
         Ok(())
-    }
-}
-
-fn verb(kind: StepKind) -> &'static str {
-    match kind {
-        StepKind::BeginCompute => "compute",
-        StepKind::Dispatch => "dispatch",
-        StepKind::EndCompute => "end",
-        StepKind::Raster => "raster",
-        StepKind::Copy => "copy",
-        StepKind::Clear => "clear",
-        StepKind::Upload => "upload",
-        StepKind::Foreign => "foreign",
     }
 }
 

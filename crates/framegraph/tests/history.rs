@@ -118,7 +118,7 @@ fn first_frame_copy() {
         copy first h@-1
           a: storage-write -> copy-source, barrier
           h@-1: undefined -> copy-target
-        compute
+        compute, apart: `sum` waits for copy `first h@-1`, which waits for `produce`
           dispatch sum 8x8x1
             a: copy-source -> sampled, barrier
             h@-1: copy-target -> sampled, barrier

@@ -74,7 +74,7 @@ fn missing_war_edges() {
         copy copy
           a: storage-write -> copy-source, barrier
           b: undefined -> copy-target
-        compute
+        compute, apart: `bump` waits for copy `copy`, which waits for `produce`
           dispatch bump 8x8x1
             a: copy-source -> storage-read-write, barrier
         end
@@ -378,7 +378,7 @@ fn no_cull_and_no_group() {
           dispatch produce 8x8x1
             a: undefined -> storage-write
         end
-        compute
+        compute, apart: the lever no_group is on
           dispatch increment 8x8x1
             a: storage-write -> sampled, barrier
             b: undefined -> storage-write
@@ -487,7 +487,7 @@ fn foreign_work_is_ordered_by_what_it_declares() {
         end
         foreign egui
           a: storage-write -> foreign
-        compute
+        compute, apart: `bump` waits for foreign `egui`, which waits for `produce`
           dispatch bump 8x8x1
             a: foreign -> storage-read-write
         end

@@ -12,13 +12,14 @@ mod usage;
 pub(crate) use contents::Contents;
 pub use hazards::{Edge, Hazard};
 pub(crate) use schedule::{RingNeed, Schedule};
+pub(crate) use steps::groups_dispatches;
 
 use std::sync::Arc;
 
 use crate::error::{Code, GraphErrors, Warning};
 use crate::graph::FrameGraph;
 use crate::handle::Subresources;
-use crate::plan::Plan;
+use crate::plan::{Plan, Step, StepKind};
 
 /// No writer yet, and no contents.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -94,6 +95,7 @@ impl<'f> FrameGraph<'f> {
         let rings = usage::rings(&self, &kept.live, &usage);
         let mut warnings = kept.warnings;
         self.warn(&kept.wanted, &contents, &table, &mut warnings);
+        self.warn_of_split_groups(&steps, &mut warnings);
         let schedule = Arc::new(Schedule {
             live: kept.live,
             edges,
@@ -140,6 +142,22 @@ impl<'f> FrameGraph<'f> {
                 code: Code::NoTimestamps,
                 message:
                     "timestamps are asked for, and the device was made without TIMESTAMP_QUERY"
+                        .into(),
+                site: None,
+            });
+        }
+    }
+    /// The one case in which looking changes a plan.
+    fn warn_of_split_groups(&self, steps: &[Step], warnings: &mut Vec<Warning>) {
+        let split = steps
+            .windows(2)
+            .any(|s| (s[0].kind, s[1].kind) == (StepKind::EndCompute, StepKind::BeginCompute));
+        if split && !self.debug.no_group {
+            warnings.push(Warning {
+                code: Code::SplitToMeasure,
+                message:
+                    "groups of dispatches are split to be measured: the device was made without \
+                          TIMESTAMP_QUERY_INSIDE_PASSES"
                         .into(),
                 site: None,
             });

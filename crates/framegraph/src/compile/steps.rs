@@ -1,7 +1,7 @@
 //! Lowering: the order becomes a flat list of steps, each with the states it changes.
 
 use super::Table;
-use crate::graph::{FrameGraph, Work};
+use crate::graph::FrameGraph;
 use crate::handle::Subresources;
 use crate::plan::{Step, StepKind, Transition};
 use crate::state::State;
@@ -20,7 +20,7 @@ pub(crate) fn steps(
     let mut transitions = Vec::with_capacity(graph.accesses.len());
     let mut in_pass = false;
     for &node in order {
-        let kind = kind(&graph.nodes[node as usize].work);
+        let kind = StepKind::of(&graph.nodes[node as usize].work);
         let none = transitions.len() as u32..transitions.len() as u32;
         let compute = kind == StepKind::Dispatch;
         if in_pass && !(compute && grouped) {
@@ -73,17 +73,6 @@ pub(crate) fn groups_dispatches(graph: &FrameGraph<'_>) -> bool {
     let f = graph.caps.features;
     let timed = graph.debug.timestamps && f.contains(wgpu::Features::TIMESTAMP_QUERY);
     !graph.debug.no_group && (!timed || f.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES))
-}
-
-fn kind(work: &Work<'_>) -> StepKind {
-    match work {
-        Work::Compute { .. } => StepKind::Dispatch,
-        Work::Raster(_) => StepKind::Raster,
-        Work::CopyTexture | Work::CopyBuffer => StepKind::Copy,
-        Work::Clear(_) | Work::Zero => StepKind::Clear,
-        Work::Upload { .. } => StepKind::Upload,
-        Work::Foreign(_) | Work::None => StepKind::Foreign,
-    }
 }
 
 /// One transition for the range if it is in one state, else one for each mip, else for each (mip, layer).
