@@ -138,6 +138,8 @@ pub struct Debug {
     pub no_cull: bool,
     /// Give every dispatch a compute pass of its own.
     pub no_group: bool,
+    /// Give every transient memory of its own, so that none holds what another left.
+    pub no_reuse: bool,
     /// Name each dispatch inside its compute pass for graphics debuggers.
     pub labels: bool,
     /// Fill every transient texture that can be a render target before the first node of the frame

@@ -23,7 +23,9 @@ pub use graph::{ComputeNode, ForeignNode, FrameGraph, HistoryInfo, RasterNode, R
 pub use handle::{Buffer, Label, Subresources, Texture, View};
 pub use kernel::{ComputeKernel, KernelDesc, KernelError, RasterKernel, RasterKernelDesc};
 pub use plan::{Plan, Step, StepKind, Transition};
-pub use pool::{Memory, NodeTiming, Pool, ResourceMemory};
+pub use pool::{
+    ClassMemory, Memory, NodeTiming, PlanMemory, Pool, ResourceMemory, SlotMemory, TenantMemory,
+};
 pub use reasons::Reason;
 pub use reflect::{
     Binding, BindingAccess, BindingKind, Member, MemberType, Reflection, Sample, Scalar,

@@ -1,17 +1,19 @@
-//! From declaration to schedule: contents -> culling -> hazards -> order -> steps -> usage. Everything is
-//! flat arrays indexed by u32, and every stage is linear in accesses but the order, which is O(n log n).
+//! From declaration to schedule: contents -> culling -> hazards -> order -> steps -> usage -> slots.
+//! Everything is flat arrays indexed by u32, and every stage is linear in accesses but the order, which is O(n log n).
 
 mod contents;
 mod cull;
 mod hazards;
 mod order;
 mod schedule;
+mod slots;
 mod steps;
 mod usage;
 
 pub(crate) use contents::Contents;
 pub use hazards::{Edge, Hazard};
 pub(crate) use schedule::{RingNeed, Schedule};
+pub(crate) use slots::{Class, ClassNeed, FOREVER, Slots, Tenant};
 pub(crate) use steps::groups_dispatches;
 
 use std::sync::Arc;
@@ -92,6 +94,7 @@ impl<'f> FrameGraph<'f> {
         let order = order::order(&self, &kept.live, &edges);
         let (steps, transitions) = steps::steps(&self, &table, &order);
         let usage = usage::usage(&self, &order);
+        let slots = slots::slots(&self, &order, &usage);
         let rings = usage::rings(&self, &kept.live, &usage);
         let mut warnings = kept.warnings;
         self.warn(&kept.wanted, &contents, &table, &mut warnings);
@@ -104,6 +107,7 @@ impl<'f> FrameGraph<'f> {
             transitions,
             warnings,
             usage,
+            slots,
             rings,
         });
         Ok(Plan {

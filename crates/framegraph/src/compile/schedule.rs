@@ -1,7 +1,7 @@
 //! What compiling finds out: plain data that borrows nothing of the frame, so that frames which declare
 //! the same share it.
 
-use super::Edge;
+use super::{Edge, Slots};
 use crate::error::Warning;
 use crate::plan::{Step, Transition};
 
@@ -19,6 +19,8 @@ pub(crate) struct Schedule {
     /// For each resource, wgpu's bits of the usage it needs; `None` where nothing that runs uses it, so
     /// that it needs no memory.
     pub usage: Vec<Option<u32>>,
+    /// Which memory the transients share.
+    pub slots: Slots,
     /// For each history, what its ring needs.
     pub rings: Vec<RingNeed>,
 }

@@ -26,11 +26,15 @@ impl Plan<'_> {
             match bind.what {
                 Bound::Access(access) => {
                     let a = &self.graph.accesses[access as usize];
-                    let id = match &physical[a.resource as usize] {
-                        Physical::Texture(_, id) | Physical::Buffer(_, id) => *id,
-                        Physical::None => 0,
+                    // Of one slot, tenants may see different formats and sizes.
+                    let (id, what) = match physical[a.resource as usize] {
+                        Physical::Texture(_, id, format) => {
+                            (id, a.range.bits() << 1 | format.is_srgb() as u64)
+                        }
+                        Physical::Buffer(_, id, bytes) => (id, bytes),
+                        Physical::None => (0, 0),
                     };
-                    key.extend([id.into(), a.range.bits()]);
+                    key.extend([id.into(), what]);
                 }
                 Bound::Uniform { offset, size } => {
                     let id = pool.upload.buffer().map_or(0, |(_, id)| *id);
@@ -83,7 +87,15 @@ impl Plan<'_> {
                     (Bound::Access(_), Some(view)) => wgpu::BindingResource::TextureView(view),
                     (Bound::Access(access), None) => {
                         let a = &self.graph.accesses[access as usize];
-                        physical[a.resource as usize].buffer()?.as_entire_binding()
+                        let Physical::Buffer(buffer, _, bytes) = &physical[a.resource as usize]
+                        else {
+                            return None;
+                        };
+                        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                            buffer,
+                            offset: 0,
+                            size: wgpu::BufferSize::new(*bytes),
+                        })
                     }
                     (Bound::Uniform { offset, size }, _) => {
                         wgpu::BindingResource::Buffer(wgpu::BufferBinding {
@@ -119,7 +131,7 @@ fn view(
     range: Subresources,
     kind: &BindingKind,
 ) -> Option<wgpu::TextureView> {
-    let Physical::Texture(texture, id) = physical else {
+    let Physical::Texture(texture, id, format) = physical else {
         return None;
     };
     let (BindingKind::Sampled { dimension, .. } | BindingKind::StorageTexture { dimension, .. }) =
@@ -134,7 +146,7 @@ fn view(
     };
     Some(
         pool.cache
-            .view((texture, *id), range, *dimension, aspect)
+            .view((texture, *id, *format), range, *dimension, aspect)
             .clone(),
     )
 }

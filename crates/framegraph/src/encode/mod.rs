@@ -95,20 +95,24 @@ impl<'f> Plan<'f> {
         for (h, need) in graph.histories.iter().zip(&self.schedule.rings) {
             pool.rings.prepare(&pool.device, encoder, h, need.usage);
         }
+        let slots = pool.store.slots(&pool.device, graph, &self.schedule.slots);
         graph
             .resources
             .iter()
             .zip(&self.schedule.usage)
-            .map(|(r, &usage)| match (&r.kind, usage) {
+            .zip(&self.schedule.slots.of)
+            .map(|((r, &usage), &slot)| match (&r.kind, usage) {
                 (_, None) => Physical::None,
-                (Kind::Transient, Some(usage)) => {
-                    pool.store.take(&pool.device, &r.label, &r.shape, usage)
-                }
+                (Kind::Transient, _) => slots
+                    .get(slot as usize)
+                    .map_or(Physical::None, |memory| memory.seen_as(&r.shape)),
                 (Kind::ImportedTexture(texture), _) => {
-                    Physical::Texture(texture.clone(), pool.cache.texture_id(texture))
+                    let id = pool.cache.texture_id(texture);
+                    Physical::Texture(texture.clone(), id, texture.format())
                 }
                 (Kind::ImportedBuffer(buffer), _) => {
-                    Physical::Buffer(buffer.clone(), pool.cache.buffer_id(buffer))
+                    let id = pool.cache.buffer_id(buffer);
+                    Physical::Buffer(buffer.clone(), id, buffer.size())
                 }
                 (Kind::Current(h), _) => pool.rings.slot(&graph.histories[*h as usize], 0),
                 (Kind::Previous { history, age, .. }, _) => {
@@ -201,13 +205,15 @@ impl<'f> Plan<'f> {
                 );
             }
             Work::Zero => {
-                if let Some(buffer) = at(0).buffer() {
-                    encoder.clear_buffer(buffer, 0, None);
+                if let Physical::Buffer(buffer, _, bytes) = at(0) {
+                    encoder.clear_buffer(buffer, 0, Some(*bytes));
                 }
             }
             Work::Upload { offset } => {
-                if let (Some((upload, _)), Some(buffer)) = (pool.upload.buffer(), at(0).buffer()) {
-                    encoder.copy_buffer_to_buffer(upload, offset, buffer, 0, buffer.size());
+                if let (Some((upload, _)), Physical::Buffer(buffer, _, bytes)) =
+                    (pool.upload.buffer(), at(0))
+                {
+                    encoder.copy_buffer_to_buffer(upload, offset, buffer, 0, *bytes);
                 }
             }
             Work::Foreign(work) => {

@@ -273,13 +273,13 @@ fn attachment(
     physical: &Physical,
     range: Subresources,
 ) -> Option<wgpu::TextureView> {
-    let Physical::Texture(texture, id) = physical else {
+    let Physical::Texture(texture, id, format) = physical else {
         return None;
     };
     let (dimension, aspect) = (wgpu::TextureViewDimension::D2, wgpu::TextureAspect::All);
     Some(
         pool.cache
-            .view((texture, *id), range, dimension, aspect)
+            .view((texture, *id, *format), range, dimension, aspect)
             .clone(),
     )
 }

@@ -25,6 +25,19 @@ pub(crate) enum Shape {
 }
 
 impl Shape {
+    /// Of a texture that exists.
+    pub fn of(texture: &wgpu::Texture) -> Shape {
+        let volume = texture.dimension() == wgpu::TextureDimension::D3;
+        let slices = texture.depth_or_array_layers();
+        Shape::Texture {
+            format: texture.format(),
+            size: [texture.width(), texture.height()],
+            depth: if volume { slices } else { 0 },
+            mips: texture.mip_level_count(),
+            layers: if volume { 1 } else { slices },
+        }
+    }
+
     /// (mips, layers); a buffer is one of each.
     pub fn extent(&self) -> (u32, u32) {
         match self {

@@ -31,6 +31,8 @@ use crate::state::{Mode, State};
 pub(crate) struct Caps {
     pub features: wgpu::Features,
     pub limits: wgpu::Limits,
+    /// Whether a texture can be seen in a format with the other sRGB suffix.
+    pub view_formats: bool,
 }
 
 /// One frame's work, declared node by node.
@@ -259,22 +261,7 @@ impl<'f> FrameGraph<'f> {
     /// The engine's texture. It has contents; what the graph last writes to it is kept from culling.
     #[track_caller]
     pub fn import_texture(&mut self, name: impl Into<Label>, texture: &wgpu::Texture) -> Texture {
-        let depth = texture.dimension() == wgpu::TextureDimension::D3;
-        let shape = Shape::Texture {
-            format: texture.format(),
-            size: [texture.width(), texture.height()],
-            depth: if depth {
-                texture.depth_or_array_layers()
-            } else {
-                0
-            },
-            mips: texture.mip_level_count(),
-            layers: if depth {
-                1
-            } else {
-                texture.depth_or_array_layers()
-            },
-        };
+        let shape = Shape::of(texture);
         Texture(self.add(
             name.into(),
             Kind::ImportedTexture(texture.clone()),

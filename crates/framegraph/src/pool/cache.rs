@@ -71,18 +71,19 @@ impl Cache {
 
     pub fn view(
         &mut self,
-        (texture, id): (&wgpu::Texture, u32),
+        (texture, id, format): (&wgpu::Texture, u32, wgpu::TextureFormat),
         range: Subresources,
         dimension: wgpu::TextureViewDimension,
         aspect: wgpu::TextureAspect,
     ) -> &wgpu::TextureView {
-        let how = (dimension as u64) << 8 | aspect as u64;
+        let how = (format.is_srgb() as u64) << 16 | (dimension as u64) << 8 | aspect as u64;
         let entry = self
             .views
             .entry((id, range.bits(), how))
             .or_insert_with(|| {
                 Entry(
                     texture.create_view(&wgpu::TextureViewDescriptor {
+                        format: (format != texture.format()).then_some(format),
                         dimension: Some(dimension),
                         aspect,
                         base_mip_level: range.mip,

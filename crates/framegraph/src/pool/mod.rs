@@ -1,6 +1,7 @@
 //! What survives frames: textures, buffers, histories, views, samplers, bind groups.
 
 mod cache;
+mod memory;
 mod rings;
 mod store;
 mod timer;
@@ -10,9 +11,10 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-pub(crate) use cache::Cache;
+pub(crate) use cache::{Cache, Hasher};
+pub use memory::{ClassMemory, Memory, PlanMemory, ResourceMemory, SlotMemory, TenantMemory};
 pub(crate) use rings::{Rings, copy};
-pub(crate) use store::{Physical, Store};
+pub(crate) use store::{Physical, Store, bytes};
 pub use timer::NodeTiming;
 pub(crate) use timer::Timer;
 pub(crate) use upload::Upload;
@@ -46,33 +48,6 @@ pub struct Pool {
     frames: u64,
 }
 
-/// Bytes of the textures and buffers that a pool holds, as their formats and sizes give them; a
-/// driver may add padding. Imported resources are not counted.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Memory {
-    /// Of resources that live within a frame.
-    pub transient: u64,
-    /// Of all frames of all histories.
-    pub history: u64,
-    /// Of the buffer for uniform data and uploads; its staging memory comes on top.
-    pub upload: u64,
-    /// Each of them.
-    pub resources: Vec<ResourceMemory>,
-}
-
-/// One texture or buffer of a pool.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ResourceMemory {
-    /// Of the resource that was last put there, or of the history.
-    pub name: Label,
-    /// Size and format.
-    pub shape: String,
-    /// Bytes.
-    pub bytes: u64,
-    /// Whether it is a frame of a history.
-    pub history: bool,
-}
-
 impl Pool {
     /// An empty pool.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Pool {
@@ -84,6 +59,8 @@ impl Pool {
             caps: Arc::new(Caps {
                 features: device.features(),
                 limits: device.limits(),
+                // `DownlevelFlags::VIEW_FORMATS`, which a device does not tell; only this backend lacks it.
+                view_formats: device.adapter_info().backend != wgpu::Backend::Gl,
             }),
             debug: Debug::default(),
             states: Arc::default(),
@@ -168,7 +145,7 @@ impl Pool {
         self.store.begin();
         self.frames += 1;
         if self.frames.is_multiple_of(KEEP) {
-            self.store.sweep();
+            self.store.sweep(KEEP);
             self.cache.sweep();
         }
     }

@@ -31,7 +31,7 @@ impl Rings {
         let usage = usage | kept_usage(&history.shape);
         let make = |usage: u32| -> Vec<Physical> {
             (0..count)
-                .map(|_| Physical::create(device, &history.key, &history.shape, usage))
+                .map(|_| Physical::create(device, &history.key, &history.shape, usage, &[]))
                 .collect()
         };
         match self.rings.get_mut(&history.key) {
@@ -101,7 +101,7 @@ fn kept_usage(shape: &Shape) -> u32 {
 /// Copies all mips and layers, or all bytes.
 pub(crate) fn copy(encoder: &mut wgpu::CommandEncoder, from: &Physical, to: &Physical) {
     match (from, to) {
-        (Physical::Texture(from, _), Physical::Texture(to, _)) => {
+        (Physical::Texture(from, ..), Physical::Texture(to, ..)) => {
             for mip in 0..from.mip_level_count() {
                 let at = |texture| wgpu::TexelCopyTextureInfo {
                     texture,
@@ -113,8 +113,8 @@ pub(crate) fn copy(encoder: &mut wgpu::CommandEncoder, from: &Physical, to: &Phy
                 encoder.copy_texture_to_texture(at(from), at(to), size);
             }
         }
-        (Physical::Buffer(from, _), Physical::Buffer(to, _)) => {
-            encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size());
+        (Physical::Buffer(from, _, bytes), Physical::Buffer(to, ..)) => {
+            encoder.copy_buffer_to_buffer(from, 0, to, 0, *bytes);
         }
         _ => {}
     }

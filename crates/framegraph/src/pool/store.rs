@@ -1,35 +1,48 @@
-//! Transient memory: textures and buffers by exact description, handed out anew each frame in the
-//! order of declaration, so that an unchanged frame finds what it had.
+//! Transient memory: textures and buffers by class, handed out anew to the slots of each plan, in their
+//! order, so that an unchanged frame finds what it had.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::cache::Hasher;
 use super::{Memory, ResourceMemory};
-use crate::graph::Shape;
+use crate::compile::{Class, ClassNeed, Slots};
+use crate::graph::{FrameGraph, Shape};
 use crate::handle::Label;
 
-/// A real texture or buffer, and a number for caches.
+/// A real texture or buffer, a number for caches, and what a resource of the graph sees of it: the format
+/// may be the texture's with the other sRGB suffix, and the bytes may be fewer than the buffer's.
 #[derive(Clone, Debug, Default)]
 pub(crate) enum Physical {
     #[default]
     None,
-    Texture(wgpu::Texture, u32),
-    Buffer(wgpu::Buffer, u32),
+    Texture(wgpu::Texture, u32, wgpu::TextureFormat),
+    Buffer(wgpu::Buffer, u32, u64),
 }
 
 impl Physical {
     pub fn texture(&self) -> Option<&wgpu::Texture> {
         match self {
-            Physical::Texture(texture, _) => Some(texture),
+            Physical::Texture(texture, ..) => Some(texture),
             _ => None,
         }
     }
 
     pub fn buffer(&self) -> Option<&wgpu::Buffer> {
         match self {
-            Physical::Buffer(buffer, _) => Some(buffer),
+            Physical::Buffer(buffer, ..) => Some(buffer),
             _ => None,
+        }
+    }
+
+    /// What the texture or buffer is itself.
+    pub fn shape(&self) -> Shape {
+        match self {
+            Physical::None => Shape::Buffer { bytes: 0 },
+            Physical::Texture(texture, ..) => Shape::of(texture),
+            Physical::Buffer(buffer, ..) => Shape::Buffer {
+                bytes: buffer.size(),
+            },
         }
     }
 
@@ -37,12 +50,32 @@ impl Physical {
     pub fn usage(&self) -> u32 {
         match self {
             Physical::None => 0,
-            Physical::Texture(texture, _) => texture.usage().bits(),
-            Physical::Buffer(buffer, _) => buffer.usage().bits(),
+            Physical::Texture(texture, ..) => texture.usage().bits(),
+            Physical::Buffer(buffer, ..) => buffer.usage().bits(),
         }
     }
 
-    pub fn create(device: &wgpu::Device, label: &Label, shape: &Shape, usage: u32) -> Physical {
+    /// The same memory as a resource of this shape sees it.
+    pub fn seen_as(&self, shape: &Shape) -> Physical {
+        match (self, shape) {
+            (Physical::Texture(texture, id, _), Shape::Texture { format, .. }) => {
+                Physical::Texture(texture.clone(), *id, *format)
+            }
+            (Physical::Buffer(buffer, id, _), Shape::Buffer { bytes }) => {
+                Physical::Buffer(buffer.clone(), *id, *bytes)
+            }
+            _ => Physical::None,
+        }
+    }
+
+    /// `view_formats` are formats besides the shape's that views of a texture may have.
+    pub fn create(
+        device: &wgpu::Device,
+        label: &Label,
+        shape: &Shape,
+        usage: u32,
+        view_formats: &[wgpu::TextureFormat],
+    ) -> Physical {
         match *shape {
             Shape::Texture {
                 format,
@@ -66,9 +99,9 @@ impl Physical {
                     },
                     format,
                     usage: wgpu::TextureUsages::from_bits_truncate(usage),
-                    view_formats: &[],
+                    view_formats,
                 });
-                Physical::Texture(texture, next_id())
+                Physical::Texture(texture, next_id(), format)
             }
             Shape::Buffer { bytes } => {
                 let buffer = device.create_buffer(&wgpu::BufferDescriptor {
@@ -77,7 +110,7 @@ impl Physical {
                     usage: wgpu::BufferUsages::from_bits_truncate(usage),
                     mapped_at_creation: false,
                 });
-                Physical::Buffer(buffer, next_id())
+                Physical::Buffer(buffer, next_id(), bytes)
             }
         }
     }
@@ -111,70 +144,118 @@ pub(crate) fn bytes(shape: &Shape) -> u64 {
     }
 }
 
+struct Item {
+    physical: Physical,
+    label: Label,
+    /// The last encode that used it.
+    used: u64,
+}
+
+impl Item {
+    /// What can do more comes first: so plans that take turns find the same one.
+    fn rank(&self) -> (u32, u64) {
+        let size = self.physical.buffer().map_or(0, wgpu::Buffer::size);
+        (self.physical.usage().count_ones(), size)
+    }
+}
+
+/// The memory of a class, highest rank first.
 #[derive(Default)]
-struct Class {
-    items: Vec<(Physical, Label)>,
-    used: usize,
-    /// Most ever used in one frame since the last sweep.
-    peak: usize,
+struct Items {
+    list: Vec<Item>,
+    /// Whatever stands before this is taken or does not fit, in the encode of this number: within one,
+    /// all of a class need the same.
+    next: (u64, usize),
 }
 
 #[derive(Default)]
 pub(crate) struct Store {
-    classes: HashMap<(Shape, u32), Class, Hasher>,
+    /// By class and by whether it is seen without and with the sRGB suffix.
+    classes: HashMap<(Class, [bool; 2]), Items, Hasher>,
+    /// Counts encodes.
+    now: u64,
 }
 
 impl Store {
     /// Everything is free again.
     pub fn begin(&mut self) {
-        for class in self.classes.values_mut() {
-            class.used = 0;
-        }
+        self.now += 1;
     }
 
-    /// One that nobody else has in this frame. Its contents are whatever was there.
-    pub fn take(
+    /// The memory of each slot of a plan.
+    pub fn slots(
         &mut self,
         device: &wgpu::Device,
-        label: &Label,
-        shape: &Shape,
-        usage: u32,
-    ) -> Physical {
-        let class = self.classes.entry((*shape, usage)).or_default();
-        if class.used == class.items.len() {
-            class
-                .items
-                .push((Physical::create(device, label, shape, usage), label.clone()));
+        graph: &FrameGraph<'_>,
+        slots: &Slots,
+    ) -> Vec<Physical> {
+        let mut memory = Vec::with_capacity(slots.slots.len());
+        for tenant in &slots.tenants {
+            // Slots are numbered in the order of their first tenants.
+            if tenant.slot as usize == memory.len() {
+                let label = &graph.resources[tenant.resource as usize].label;
+                memory.push(self.take(device, label, &slots.classes[tenant.class as usize]));
+            }
         }
-        let (physical, name) = &mut class.items[class.used];
-        name.clone_from(label);
-        class.used += 1;
-        class.peak = class.peak.max(class.used);
-        physical.clone()
+        memory
     }
 
-    /// Lets go of what no frame used since the last sweep.
-    pub fn sweep(&mut self) {
-        self.classes.retain(|_, class| {
-            class.items.truncate(class.peak);
-            class.peak = 0;
-            !class.items.is_empty()
+    /// One that nobody else has in this encode. Its contents are whatever was there.
+    fn take(&mut self, device: &wgpu::Device, label: &Label, need: &ClassNeed) -> Physical {
+        let Items { list, next } = self.classes.entry((need.class, need.seen)).or_default();
+        if next.0 != self.now {
+            *next = (self.now, 0);
+        }
+        while let Some(item) = list.get_mut(next.1) {
+            next.1 += 1;
+            let enough = match &item.physical {
+                Physical::Buffer(buffer, ..) => buffer.size() >= need.bytes,
+                _ => true,
+            };
+            if enough && item.physical.usage() & need.usage == need.usage {
+                item.used = self.now;
+                item.label.clone_from(label);
+                return item.physical.clone();
+            }
+        }
+        // With all usage that the class ever needed.
+        let usage = list
+            .iter()
+            .fold(need.usage, |usage, item| usage | item.physical.usage());
+        let (shape, view) = need.real_shape();
+        let physical = Physical::create(device, label, &shape, usage, view.as_slice());
+        let item = Item {
+            physical: physical.clone(),
+            label: label.clone(),
+            used: self.now,
+        };
+        let place = list.partition_point(|other| other.rank() >= item.rank());
+        list.insert(place, item);
+        next.1 += 1;
+        physical
+    }
+
+    /// Lets go of what none of the last `keep` encodes used.
+    pub fn sweep(&mut self, keep: u64) {
+        let now = self.now;
+        self.classes.retain(|_, items| {
+            items.list.retain(|item| item.used + keep >= now);
+            !items.list.is_empty()
         });
     }
 
     pub fn report(&self, memory: &mut Memory) {
         let start = memory.resources.len();
-        for ((shape, _), class) in &self.classes {
-            for (_, name) in &class.items {
-                let bytes = bytes(shape);
-                memory.transient += bytes;
-                memory.resources.push(ResourceMemory {
-                    name: name.clone(),
-                    shape: shape.to_string(),
-                    bytes,
-                    history: false,
-                });
-            }
+        for item in self.classes.values().flat_map(|items| &items.list) {
+            let shape = item.physical.shape();
+            let bytes = bytes(&shape);
+            memory.transient += bytes;
+            memory.resources.push(ResourceMemory {
+                name: item.label.clone(),
+                shape: shape.to_string(),
+                bytes,
+                history: false,
+            });
         }
         memory.resources[start..].sort_by(|a, b| (&a.name, &a.shape).cmp(&(&b.name, &b.shape)));
     }
