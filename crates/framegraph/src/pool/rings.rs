@@ -98,19 +98,34 @@ fn kept_usage(shape: &Shape) -> u32 {
     }
 }
 
-/// Copies all mips and layers, or all bytes.
+/// Copies all mips and layers, or all bytes. Layers go one by one: wgpu 30 panics in `finish` where a copy
+/// of several finds them in different states, because it has room for one barrier on each side.
 pub(crate) fn copy(encoder: &mut wgpu::CommandEncoder, from: &Physical, to: &Physical) {
     match (from, to) {
         (Physical::Texture(from, ..), Physical::Texture(to, ..)) => {
+            let volume = from.dimension() == wgpu::TextureDimension::D3;
+            let layers = if volume {
+                1
+            } else {
+                from.depth_or_array_layers()
+            };
             for mip in 0..from.mip_level_count() {
-                let at = |texture| wgpu::TexelCopyTextureInfo {
-                    texture,
-                    mip_level: mip,
-                    origin: wgpu::Origin3d::ZERO,
-                    aspect: wgpu::TextureAspect::All,
-                };
-                let size = from.size().mip_level_size(mip, from.dimension());
-                encoder.copy_texture_to_texture(at(from), at(to), size);
+                let mut size = from.size().mip_level_size(mip, from.dimension());
+                if !volume {
+                    size.depth_or_array_layers = 1;
+                }
+                for layer in 0..layers {
+                    let at = |texture| wgpu::TexelCopyTextureInfo {
+                        texture,
+                        mip_level: mip,
+                        origin: wgpu::Origin3d {
+                            z: layer,
+                            ..wgpu::Origin3d::ZERO
+                        },
+                        aspect: wgpu::TextureAspect::All,
+                    };
+                    encoder.copy_texture_to_texture(at(from), at(to), size);
+                }
             }
         }
         (Physical::Buffer(from, _, bytes), Physical::Buffer(to, ..)) => {
