@@ -10,6 +10,9 @@ pub(crate) struct Kept {
     pub live: Vec<bool>,
     /// Histories that somebody needs.
     pub wanted: Vec<bool>,
+    /// Histories that this frame advances: all that it writes last to them is needed. With a part of it
+    /// dropped they would keep a mixture.
+    pub written: Vec<bool>,
     pub warnings: Vec<Warning>,
 }
 
@@ -43,7 +46,10 @@ pub(crate) fn cull(graph: &FrameGraph<'_>, table: &Table, contents: &Contents) -
         }
     }
     walk.run();
+    let written = graph.histories.iter().map(|h| walk.is_written(h.current));
+    let written = written.collect();
     let mut warnings = walk.warnings();
+    // After what histories keep is settled, so that they keep the same.
     if graph.debug.no_cull {
         walk.live.fill(true);
         warnings.retain(|w| w.code != Code::DeadNode);
@@ -51,6 +57,7 @@ pub(crate) fn cull(graph: &FrameGraph<'_>, table: &Table, contents: &Contents) -
     Kept {
         live: walk.live,
         wanted: walk.wanted,
+        written,
         warnings,
     }
 }
@@ -99,6 +106,15 @@ impl Walk<'_, '_> {
                 access => self.need_access(access),
             }
         }
+    }
+
+    /// Whether a resource ends the frame with contents of this frame that nodes which are needed wrote.
+    fn is_written(&self, resource: u32) -> bool {
+        let mut all = self.table.all(self.graph, resource);
+        all.all(|e| match self.contents.writer[e] {
+            NONE | DEFINED => false,
+            access => self.live[self.graph.accesses[access as usize].node as usize],
+        })
     }
 
     fn need_history_of(&mut self, resource: u32) {

@@ -95,7 +95,7 @@ impl<'f> FrameGraph<'f> {
         let (steps, transitions) = steps::steps(&self, &table, &order);
         let usage = usage::usage(&self, &order);
         let slots = slots::slots(&self, &order, &usage);
-        let rings = usage::rings(&self, &kept.live, &usage);
+        let rings = usage::rings(&self, &kept.written, &usage);
         let mut warnings = kept.warnings;
         self.warn(&kept.wanted, &contents, &table, &mut warnings);
         self.warn_of_split_groups(&steps, &mut warnings);

@@ -30,6 +30,6 @@ pub(crate) struct Schedule {
 pub(crate) struct RingNeed {
     /// wgpu's bits of the usage of all its frames.
     pub usage: u32,
-    /// Whether a node that runs writes the current frame.
+    /// Whether the current frame ends up written by nodes that are needed, all of it.
     pub written: bool,
 }

@@ -34,19 +34,19 @@ pub(crate) fn usage(graph: &FrameGraph<'_>, order: &[u32]) -> Vec<Option<u32>> {
 }
 
 /// What each history's ring needs.
-pub(crate) fn rings(graph: &FrameGraph<'_>, live: &[bool], usage: &[Option<u32>]) -> Vec<RingNeed> {
-    let mut rings = vec![RingNeed::default(); graph.histories.len()];
+pub(crate) fn rings(
+    graph: &FrameGraph<'_>,
+    written: &[bool],
+    usage: &[Option<u32>],
+) -> Vec<RingNeed> {
+    let need = |&written| RingNeed { usage: 0, written };
+    let mut rings: Vec<RingNeed> = written.iter().map(need).collect();
     if rings.is_empty() {
         return rings;
     }
     for (r, usage) in graph.resources.iter().zip(usage) {
         if let Kind::Current(h) | Kind::Previous { history: h, .. } = r.kind {
             rings[h as usize].usage |= r.extra_usage | usage.unwrap_or(0);
-        }
-    }
-    for a in graph.accesses.iter().filter(|a| a.mode.writes()) {
-        if let Kind::Current(h) = graph.resources[a.resource as usize].kind {
-            rings[h as usize].written |= live[a.node as usize];
         }
     }
     rings

@@ -148,7 +148,8 @@ impl FrameGraph<'_> {
     /// `desc`, size or `frames`, and after [`Pool::reset_history`](crate::Pool::reset_history).
     ///
     /// A frame that does not write `current` leaves the history as it is. What writes `current` is
-    /// kept from culling when anything that runs reads `previous`.
+    /// kept from culling when anything that is needed reads `previous`; where it is not kept, or only a
+    /// part of it for other reasons, the frame counts as one that does not write.
     #[track_caller]
     pub fn history_texture(
         &mut self,
