@@ -40,68 +40,6 @@ fn dispatches_share_a_pass() {
     assert_eq!(pool.memory().transient, 2 * 64 * 64 * 4);
 }
 
-/// Missing WAR edges: without the edge copy -> bump, compute would be kept together and `bump` would
-/// run before the copy of what it changes.
-/// ```text
-/// produce -> a.1 -> copy -> b => export
-///              \--> bump -> a.2 => export
-/// ```
-#[test]
-fn missing_war_edges() {
-    let (device, queue) = noop();
-    let (k, pool) = (Kernels::new(&device), Pool::new(&device, &queue));
-    let mut fg = pool.frame(FRAME);
-    let (a, b) = (fg.texture("a", R32), fg.texture("b", R32));
-    let a = produce(&mut fg, &k, "produce", a);
-    let b = fg.copy_texture("copy", a, b);
-    let a = bump(&mut fg, &k, "bump", a);
-    fg.export_texture("before", b);
-    fg.export_texture("after", a);
-    let plan = fg.compile().unwrap();
-    let war = Edge {
-        from: 1,
-        to: 2,
-        hazard: Hazard::WriteAfterRead,
-    };
-    assert!(plan.edges().contains(&war), "{:?}", plan.edges());
-    assert_plan!(
-        plan,
-        "
-        compute
-          dispatch produce 8x8x1
-            a: undefined -> storage-write
-        end
-        copy copy
-          a: storage-write -> copy-source, barrier
-          b: undefined -> copy-target
-        compute, apart: `bump` waits for copy `copy`, which waits for `produce`
-          dispatch bump 8x8x1
-            a: copy-source -> storage-read-write, barrier
-        end
-        export before = b
-        export after = a
-        "
-    );
-}
-
-/// Unstable ties: nodes that are ready together run in the order of declaration, whatever their names.
-/// ```text
-/// produce -> a -> look z, look y, look x, ... (side effects)
-/// ```
-#[test]
-fn unstable_ties() {
-    let (device, queue) = noop();
-    let (k, pool) = (Kernels::new(&device), Pool::new(&device, &queue));
-    let mut fg = pool.frame(FRAME);
-    let a = fg.texture("a", R32);
-    let a = produce(&mut fg, &k, "produce", a);
-    for name in ["z", "m", "y", "a", "x", "b", "w"] {
-        look(&mut fg, &k, name, a);
-    }
-    let plan = fg.compile().unwrap();
-    assert_eq!(plan.order(), [0, 1, 2, 3, 4, 5, 6, 7]);
-}
-
 /// Two independent chains alternate between copies and compute; each class is run while it is ready.
 /// ```text
 /// clear 1 -> a -> bump 1 => export
@@ -134,81 +72,6 @@ fn compute_is_kept_together() {
         export 1 = 1
         export 2 = 2
         "
-    );
-}
-
-/// A reader that writes nothing and states a side effect keeps its producer, and the producer's memory.
-/// ```text
-/// produce -> a -> look (side effect)
-/// ```
-#[test]
-fn a_side_effect_reader_keeps_producer_and_allocation() {
-    let (device, queue) = noop();
-    let (k, mut pool) = (Kernels::new(&device), Pool::new(&device, &queue));
-    let mut fg = pool.frame(FRAME);
-    let a = fg.texture("a", R32);
-    let a = produce(&mut fg, &k, "produce", a);
-    look(&mut fg, &k, "look", a);
-    let plan = fg.compile().unwrap();
-    assert_plan!(
-        plan,
-        "
-        compute
-          dispatch produce 8x8x1
-            a: undefined -> storage-write
-          dispatch look 8x8x1 (looks)
-            a: storage-write -> sampled, barrier
-        end
-        "
-    );
-    run(&device, &queue, &mut pool, plan);
-    assert_eq!(pool.memory().transient, 64 * 64 * 4);
-}
-
-/// Whole-texture culling would see the write of mip 1 as the end of mip 0's writer.
-/// ```text
-/// mip 0 -> pyramid.1 -> mip 1 (reads mip 0) -> pyramid.2 => export
-///                                       half of it: look at mip 1
-/// ```
-#[test]
-fn writers_of_other_mips_are_kept() {
-    let (device, queue) = noop();
-    let (k, mut pool) = (Kernels::new(&device), Pool::new(&device, &queue));
-    let mut fg = pool.frame(FRAME);
-    let t = fg.texture("pyramid", R32.with_mips(3));
-    let t = produce(&mut fg, &k, "mip 0", t.mip(0));
-    let t = increment(&mut fg, &k, "mip 1", t.mip(0), t.mip(1));
-    let t = produce(&mut fg, &k, "mip 2", t.mip(2));
-    fg.export_texture("pyramid", t);
-    let plan = fg.compile().unwrap();
-    assert_plan!(
-        plan,
-        "
-        compute
-          dispatch mip 0 8x8x1
-            pyramid mip 0: undefined -> storage-write
-          dispatch mip 1 8x8x1
-            pyramid mip 0: storage-write -> sampled, barrier
-            pyramid mip 1: undefined -> storage-write
-          dispatch mip 2 8x8x1
-            pyramid mip 2: undefined -> storage-write
-        end
-        export pyramid = pyramid
-        "
-    );
-    run(&device, &queue, &mut pool, plan);
-
-    // Independent writers of one texture, and a reader of one mip: the other writer is dead.
-    let mut fg = pool.frame(FRAME);
-    let t = fg.texture("pyramid", R32.with_mips(2));
-    let t = produce(&mut fg, &k, "mip 0", t.mip(0));
-    let t = produce(&mut fg, &k, "mip 1", t.mip(1));
-    look(&mut fg, &k, "look", t.mip(0));
-    let plan = fg.compile().unwrap();
-    assert_eq!(plan.order(), [0, 2]);
-    assert_eq!(
-        plan.warnings()[0].message,
-        "`mip 1` is dropped: nobody reads `pyramid`"
     );
 }
 
@@ -524,36 +387,4 @@ fn a_steady_frame_allocates_no_gpu_memory() {
         assert_eq!(frame.1, frames[1 + (n + 1) % 2].1, "frame {n}");
         assert_eq!(frame.2, frames[1].2, "frame {n}");
     }
-}
-
-/// Long chains of diamonds and a wide fan have edges in proportion to their accesses. Nobody would wait
-/// for 60,000 nodes of an exponential compile; how long they take is for the benchmark to say.
-#[test]
-fn diamonds_and_fans_have_as_many_edges_as_accesses() {
-    let (device, queue) = noop();
-    let (k, pool) = (Kernels::new(&device), Pool::new(&device, &queue));
-    let mut fg = pool.frame(FRAME);
-    let mut a = fg.texture("a", R32);
-    a = produce(&mut fg, &k, "top", a);
-    for _ in 0..10_000 {
-        let (left, right, bottom) = (
-            fg.texture("l", R32),
-            fg.texture("r", R32),
-            fg.texture("b", R32),
-        );
-        let left = increment(&mut fg, &k, "left", a, left);
-        let right = increment(&mut fg, &k, "right", a, right);
-        let mut node = fg.compute("join", &k.sum);
-        node.read("a", left).read("b", right);
-        a = node.overwrite("out_value", bottom);
-        node.dispatch_texels([64, 64]);
-    }
-    for _ in 0..30_000 {
-        look(&mut fg, &k, "fan", a);
-    }
-    bump(&mut fg, &k, "last", a);
-    let plan = fg.compile().unwrap();
-    assert_eq!(plan.order().len(), 60_001);
-    // Four of each diamond, and one from the last join to each look; nobody needs the bump.
-    assert_eq!(plan.edges().len(), 70_000);
 }
