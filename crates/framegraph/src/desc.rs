@@ -1,5 +1,8 @@
 //! What the caller says about resources and the frame.
 
+use std::array;
+use std::iter::{Chain, Take};
+
 use crate::handle::{Buffer, Texture};
 
 /// What a frame is told.
@@ -107,7 +110,7 @@ pub struct HistoryTexture {
     /// This frame's, not yet written.
     pub current: Texture,
     /// `previous[0]` is of one frame ago; `None` only with [`First::Skip`].
-    pub previous: Vec<Option<Texture>>,
+    pub previous: Previous<Texture>,
 }
 
 /// A buffer that is kept across frames.
@@ -116,7 +119,79 @@ pub struct HistoryBuffer {
     /// This frame's, not yet written.
     pub current: Buffer,
     /// `previous[0]` is of one frame ago; `None` only with [`FirstBuffer::Skip`].
-    pub previous: Vec<Option<Buffer>>,
+    pub previous: Previous<Buffer>,
+}
+
+/// How many past frames a [`Previous`] holds without memory of its own.
+const FEW: usize = 4;
+
+/// The handles of the past frames of a history, youngest first: a slice.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Previous<T> {
+    few: [Option<T>; FEW],
+    count: usize,
+    /// All of them, where they are more than a few.
+    many: Vec<Option<T>>,
+}
+
+impl<T> FromIterator<Option<T>> for Previous<T> {
+    fn from_iter<I: IntoIterator<Item = Option<T>>>(handles: I) -> Self {
+        let mut previous = Previous {
+            few: std::array::from_fn(|_| None),
+            count: 0,
+            many: Vec::new(),
+        };
+        for handle in handles {
+            match previous.count {
+                n if n < FEW => previous.few[n] = handle,
+                n => {
+                    if n == FEW {
+                        previous
+                            .many
+                            .extend(previous.few.iter_mut().map(Option::take));
+                    }
+                    previous.many.push(handle);
+                }
+            }
+            previous.count += 1;
+        }
+        previous
+    }
+}
+
+impl<T> IntoIterator for Previous<T> {
+    type Item = Option<T>;
+    type IntoIter = Chain<Take<array::IntoIter<Option<T>, FEW>>, std::vec::IntoIter<Option<T>>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        let few = if self.count <= FEW { self.count } else { 0 };
+        self.few.into_iter().take(few).chain(self.many)
+    }
+}
+
+impl<T: PartialEq, const N: usize> PartialEq<[Option<T>; N]> for Previous<T> {
+    fn eq(&self, other: &[Option<T>; N]) -> bool {
+        **self == *other
+    }
+}
+
+impl<T> std::ops::Deref for Previous<T> {
+    type Target = [Option<T>];
+    fn deref(&self) -> &[Option<T>] {
+        match self.count {
+            n if n <= FEW => &self.few[..n],
+            _ => &self.many,
+        }
+    }
+}
+
+impl<T> std::ops::DerefMut for Previous<T> {
+    fn deref_mut(&mut self) -> &mut [Option<T>] {
+        match self.count {
+            n if n <= FEW => &mut self.few[..n],
+            _ => &mut self.many,
+        }
+    }
 }
 
 /// What an attachment holds when its raster node begins.
@@ -140,6 +215,8 @@ pub struct Debug {
     pub no_group: bool,
     /// Give every transient memory of its own, so that none holds what another left.
     pub no_reuse: bool,
+    /// Compile every graph anew, also when one was declared alike before.
+    pub no_cache: bool,
     /// Name each dispatch inside its compute pass for graphics debuggers.
     pub labels: bool,
     /// Fill every transient texture that can be a render target before the first node of the frame

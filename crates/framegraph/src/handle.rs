@@ -1,67 +1,111 @@
 //! Handles: what a graph gives out for a resource, and sub-ranges of textures.
 
+use std::cmp::Ordering;
 use std::fmt;
+use std::hash::{Hash, Hasher};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A name: shared text, cheap to clone. Anything that needs a name takes `impl Into<Label>`;
-/// an engine that declares the same nodes each frame keeps the label and clones it.
-#[derive(Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Label(Arc<str>);
+/// A name. Anything that needs a name takes `impl Into<Label>`: a literal, which costs nothing, or a
+/// `String`, which is moved to shared memory; an engine that declares the same nodes each frame keeps
+/// that label and passes `&label`, which costs a count.
+#[derive(Clone)]
+pub struct Label(Text);
+
+#[derive(Clone)]
+enum Text {
+    Fixed(&'static str),
+    Shared(Arc<str>),
+}
 
 impl Label {
     /// The text.
     pub fn as_str(&self) -> &str {
-        &self.0
+        match &self.0 {
+            Text::Fixed(text) => text,
+            Text::Shared(text) => text,
+        }
+    }
+}
+
+impl Default for Label {
+    fn default() -> Self {
+        Label(Text::Fixed(""))
+    }
+}
+
+impl PartialEq for Label {
+    fn eq(&self, other: &Self) -> bool {
+        self.as_str() == other.as_str()
+    }
+}
+
+impl Eq for Label {}
+
+impl PartialOrd for Label {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Label {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.as_str().cmp(other.as_str())
+    }
+}
+
+impl Hash for Label {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.as_str().hash(state);
     }
 }
 
 impl fmt::Display for Label {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
+        f.write_str(self.as_str())
     }
 }
 
 impl fmt::Debug for Label {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Debug::fmt(&*self.0, f)
+        fmt::Debug::fmt(self.as_str(), f)
     }
 }
 
 impl std::ops::Deref for Label {
     type Target = str;
     fn deref(&self) -> &str {
-        &self.0
+        self.as_str()
     }
 }
 
 impl std::borrow::Borrow<str> for Label {
     fn borrow(&self) -> &str {
-        &self.0
+        self.as_str()
     }
 }
 
-impl From<&str> for Label {
-    fn from(text: &str) -> Self {
-        Label(text.into())
+impl From<&'static str> for Label {
+    fn from(text: &'static str) -> Self {
+        Label(Text::Fixed(text))
     }
 }
 
 impl From<String> for Label {
     fn from(text: String) -> Self {
-        Label(text.into())
+        Label(Text::Shared(text.into()))
     }
 }
 
 impl From<&String> for Label {
     fn from(text: &String) -> Self {
-        Label(text.as_str().into())
+        Label(Text::Shared(text.as_str().into()))
     }
 }
 
 impl From<Arc<str>> for Label {
     fn from(text: Arc<str>) -> Self {
-        Label(text)
+        Label(Text::Shared(text))
     }
 }
 
@@ -73,13 +117,13 @@ impl From<&Label> for Label {
 
 impl PartialEq<str> for Label {
     fn eq(&self, other: &str) -> bool {
-        &*self.0 == other
+        self.as_str() == other
     }
 }
 
 impl PartialEq<&str> for Label {
     fn eq(&self, other: &&str) -> bool {
-        &*self.0 == *other
+        self.as_str() == *other
     }
 }
 
@@ -213,14 +257,7 @@ impl Subresources {
             && other.layer < self.layer + self.layers
     }
 
-    /// Indices into a dense table of a resource with `total_layers` layers, mip-major.
-    pub(crate) fn indices(self, total_layers: u32) -> impl Iterator<Item = usize> {
-        (self.mip..self.mip + self.mips).flat_map(move |mip| {
-            (self.layer..self.layer + self.layers)
-                .map(move |layer| (mip * total_layers + layer) as usize)
-        })
-    }
-
+    /// All of it in one word; no two ranges share one.
     pub(crate) fn bits(self) -> u64 {
         (self.mip as u64) << 48
             | (self.mips as u64) << 40

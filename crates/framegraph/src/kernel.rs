@@ -118,6 +118,22 @@ pub(crate) struct RasterInner {
     pub depth: Option<wgpu::TextureFormat>,
 }
 
+/// Either kind.
+#[derive(Clone, Debug)]
+pub(crate) enum Kernel {
+    Compute(ComputeKernel),
+    Raster(RasterKernel),
+}
+
+impl Kernel {
+    pub fn interface(&self) -> &Interface {
+        match self {
+            Kernel::Compute(kernel) => &kernel.0.interface,
+            Kernel::Raster(kernel) => &kernel.0.interface,
+        }
+    }
+}
+
 impl ComputeKernel {
     /// Reflects the shader, lays out group 0 and makes the pipeline.
     ///

@@ -13,9 +13,10 @@ mod reasons;
 mod reflect;
 mod state;
 
-pub use compile::{Edge, Hazard};
+pub use compile::{Edge, Hazard, PlanCounts};
 pub use desc::{
-    Debug, First, FirstBuffer, FrameParams, HistoryBuffer, HistoryTexture, Load, Size, TextureDesc,
+    Debug, First, FirstBuffer, FrameParams, HistoryBuffer, HistoryTexture, Load, Previous, Size,
+    TextureDesc,
 };
 pub use encode::Resources;
 pub use error::{Code, EncodeError, GraphError, GraphErrors, Site, Warning};

@@ -1,5 +1,6 @@
 //! The plan: what a graph became. Plain data with a stable text form.
 
+use std::cell::OnceCell;
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
@@ -34,10 +35,10 @@ pub enum StepKind {
 
 impl StepKind {
     /// What a node with this work becomes.
-    pub(crate) fn of(work: &Work<'_>) -> StepKind {
+    pub(crate) fn of(work: &Work) -> StepKind {
         match work {
             Work::Compute { .. } => StepKind::Dispatch,
-            Work::Raster(_) => StepKind::Raster,
+            Work::Raster { .. } => StepKind::Raster,
             Work::CopyTexture | Work::CopyBuffer => StepKind::Copy,
             Work::Clear(_) | Work::Zero => StepKind::Clear,
             Work::Upload { .. } => StepKind::Upload,
@@ -90,6 +91,8 @@ pub struct Transition {
 pub struct Plan<'f> {
     pub(crate) graph: FrameGraph<'f>,
     pub(crate) schedule: Arc<Schedule>,
+    /// The schedule's notices in words, once somebody asked.
+    pub(crate) warnings: OnceCell<Vec<Warning>>,
 }
 
 impl Plan<'_> {
@@ -134,7 +137,10 @@ impl Plan<'_> {
 
     /// What is legal and probably not meant.
     pub fn warnings(&self) -> &[Warning] {
-        &self.schedule.warnings
+        self.warnings.get_or_init(|| {
+            let notices = self.schedule.notices.iter();
+            notices.map(|n| n.warning(&self.graph)).collect()
+        })
     }
 }
 

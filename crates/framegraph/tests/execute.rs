@@ -280,7 +280,7 @@ fn raster_nodes_draw() {
     let strip = [0.0f32, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
     let corners = fg.upload_buffer("upload", corners, bytemuck::cast_slice(&strip).to_vec());
     let tint = fg.clear_texture("clear", tint, [2.0; 4]);
-    let mut draw = |name: &str, color, depth, load, far, params: [f32; 6]| {
+    let mut draw = |name: &'static str, color, depth, load, far, params: [f32; 6]| {
         let mut node = fg.raster(name, &raster);
         node.uniform("params", bytemuck::cast_slice(&params))
             .read_buffer("corners", corners)

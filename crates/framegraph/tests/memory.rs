@@ -192,7 +192,7 @@ fn a_short_buffer_in_a_long_slot_is_short() {
     let mut fg = pool.frame(FRAME);
     let lengths = [("long", 256), ("short", 132), ("twin", 132)];
     let [long, short, twin] = lengths.map(|(name, bytes)| fg.buffer(name, bytes));
-    let sum = |fg: &mut FrameGraph<'_>, name: &str, words| {
+    let sum = |fg: &mut FrameGraph<'_>, name: &'static str, words| {
         let out = fg.buffer(name, 8);
         let mut node = fg.compute("total", &total);
         node.read_buffer("words", words);

@@ -29,7 +29,7 @@ impl<'d, 'a, 'f> Dispatch<'d, 'a, 'f> {
     pub(crate) fn new(
         frame: &'d mut PassFrame<'a, 'f>,
         label: &'static str,
-        kernel: &ComputeKernel,
+        kernel: &'d ComputeKernel,
     ) -> Self {
         let PassFrame { graph, side } = frame;
         let (plan, mistake) = match side.plan(kernel) {

@@ -105,11 +105,11 @@ impl<'a, 'f> PassFrame<'a, 'f> {
     /// Dispatches a kernel of this pass. Everything is bound by name when the work is given: inputs,
     /// outputs (`out_…`), `params`; the methods of [`Dispatch`] replace and add.
     #[track_caller]
-    pub fn dispatch(
-        &mut self,
+    pub fn dispatch<'d>(
+        &'d mut self,
         label: &'static str,
-        kernel: &ComputeKernel,
-    ) -> Dispatch<'_, 'a, 'f> {
+        kernel: &'d ComputeKernel,
+    ) -> Dispatch<'d, 'a, 'f> {
         Dispatch::new(self, label, kernel)
     }
 

@@ -1,7 +1,7 @@
 //! Who wrote what a node reads. Handles can only be used while they are the latest version, so the
 //! order of declaration is an order in which every content exists before it is read.
 
-use super::{NONE, Table};
+use super::{NONE, Table, reset};
 use crate::error::{Code, GraphError};
 use crate::graph::{FrameGraph, Kind};
 use crate::handle::Subresources;
@@ -10,12 +10,15 @@ use crate::handle::Subresources;
 pub(crate) const DEFINED: u32 = u32::MAX - 1;
 
 /// The flow of contents over all declared nodes.
+#[derive(Default)]
 pub(crate) struct Contents {
     /// `needs[starts[n]..starts[n + 1]]`: the writing accesses whose contents node n needs.
     starts: Vec<u32>,
     needs: Vec<u32>,
     /// The access that wrote each (mip, layer) last, or `NONE`, or `DEFINED`.
     pub writer: Vec<u32>,
+    /// The last node that needed an access: keeps `needs` free of repetition.
+    asked: Vec<u32>,
 }
 
 impl Contents {
@@ -25,17 +28,22 @@ impl Contents {
     }
 
     /// Follows contents from node to node; reports reads of what nothing wrote.
-    pub fn flow(graph: &mut FrameGraph<'_>, table: &Table) -> Self {
-        let mut writer = vec![NONE; table.len];
+    pub fn flow(&mut self, graph: &mut FrameGraph<'_>, table: &Table) {
+        let Contents {
+            starts,
+            needs,
+            writer,
+            asked,
+        } = self;
+        reset(writer, table.len(), NONE);
         for (i, r) in graph.resources.iter().enumerate() {
             if r.is_defined() {
-                writer[table.all(graph, i as u32)].fill(DEFINED);
+                writer[table.all(i as u32)].fill(DEFINED);
             }
         }
-        let mut starts = Vec::with_capacity(graph.nodes.len() + 1);
-        let mut needs = Vec::with_capacity(graph.accesses.len());
-        // The last node that needed an access: keeps `needs` free of repetition.
-        let mut asked = vec![NONE; graph.accesses.len()];
+        starts.clear();
+        needs.clear();
+        reset(asked, graph.accesses.len(), NONE);
         for node in 0..graph.nodes.len() as u32 {
             starts.push(needs.len() as u32);
             let accesses = graph.nodes[node as usize].accesses.clone();
@@ -45,7 +53,7 @@ impl Contents {
                     continue;
                 }
                 let mut missing = 0;
-                for e in table.entries(graph, a.resource, a.range) {
+                for e in table.entries(a.resource, a.range) {
                     match writer[e] {
                         DEFINED => {}
                         NONE => {
@@ -67,23 +75,19 @@ impl Contents {
             for i in accesses {
                 let a = graph.accesses[i as usize];
                 if a.mode.writes() {
-                    for e in table.entries(graph, a.resource, a.range) {
+                    for e in table.entries(a.resource, a.range) {
                         writer[e] = i;
                     }
                 }
             }
         }
         starts.push(needs.len() as u32);
-        check_exports(graph, table, &writer);
-        check_histories(graph, table, &writer);
-        Contents {
-            starts,
-            needs,
-            writer,
-        }
+        check_exports(graph, table, writer);
+        check_histories(graph, table, writer);
     }
 }
 
+#[cold]
 fn report_unwritten(graph: &mut FrameGraph<'_>, access: u32, missing: u32) {
     let a = graph.accesses[access as usize];
     let node = &graph.nodes[a.node as usize].label;
@@ -124,11 +128,11 @@ fn check_exports(graph: &mut FrameGraph<'_>, table: &Table, writer: &[u32]) {
     for export in &graph.exports {
         let r = &graph.resources[export.raw.resource as usize];
         let missing = table
-            .all(graph, export.raw.resource)
+            .all(export.raw.resource)
             .filter(|&e| writer[e] == NONE)
             .count();
         if missing > 0 {
-            let part = if missing == table.all(graph, export.raw.resource).len() {
+            let part = if missing == table.all(export.raw.resource).len() {
                 ""
             } else {
                 " in part"
@@ -155,7 +159,7 @@ fn check_histories(graph: &mut FrameGraph<'_>, table: &Table, writer: &[u32]) {
         if !matches!(r.kind, Kind::Current(_)) {
             continue;
         }
-        let all = table.all(graph, i as u32);
+        let all = table.all(i as u32);
         let (count, missing) = (all.len(), all.filter(|&e| writer[e] == NONE).count());
         if missing > 0 && missing < count {
             errors.push(GraphError::new(

@@ -1,12 +1,15 @@
 //! What compiling finds out: plain data that borrows nothing of the frame, so that frames which declare
 //! the same share it.
 
-use super::{Edge, Slots};
-use crate::error::Warning;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::{Edge, Notice, Slots};
 use crate::plan::{Step, Transition};
 
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Schedule {
+    /// No two schedules that are in use have one number.
+    pub serial: u64,
     /// For each node, whether it runs.
     pub live: Vec<bool>,
     pub edges: Vec<Edge>,
@@ -15,7 +18,7 @@ pub(crate) struct Schedule {
     pub steps: Vec<Step>,
     /// Of all steps, one after the other.
     pub transitions: Vec<Transition>,
-    pub warnings: Vec<Warning>,
+    pub notices: Vec<Notice>,
     /// For each resource, wgpu's bits of the usage it needs; `None` where nothing that runs uses it, so
     /// that it needs no memory.
     pub usage: Vec<Option<u32>>,
@@ -23,6 +26,22 @@ pub(crate) struct Schedule {
     pub slots: Slots,
     /// For each history, what its ring needs.
     pub rings: Vec<RingNeed>,
+}
+
+impl Schedule {
+    /// Empties it for another graph.
+    pub fn clear(&mut self) {
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        self.serial = NEXT.fetch_add(1, Ordering::Relaxed);
+        self.live.clear();
+        self.edges.clear();
+        self.order.clear();
+        self.steps.clear();
+        self.transitions.clear();
+        self.notices.clear();
+        self.usage.clear();
+        self.rings.clear();
+    }
 }
 
 /// What the frame does with a history.

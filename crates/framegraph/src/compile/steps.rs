@@ -1,25 +1,30 @@
 //! Lowering: the order becomes a flat list of steps, each with the states it changes.
 
-use super::Table;
+use super::{Schedule, Table, reset};
 use crate::graph::FrameGraph;
 use crate::handle::Subresources;
 use crate::plan::{Step, StepKind, Transition};
 use crate::state::State;
 
-pub(crate) fn steps(
+pub(super) fn steps(
     graph: &FrameGraph<'_>,
     table: &Table,
-    order: &[u32],
-) -> (Vec<Step>, Vec<Transition>) {
-    let mut states = vec![State::Undefined; table.len];
+    states: &mut Vec<State>,
+    s: &mut Schedule,
+) {
+    reset(states, table.len(), State::Undefined);
     for (i, r) in graph.resources.iter().enumerate() {
-        states[table.all(graph, i as u32)].fill(r.initial_state());
+        states[table.all(i as u32)].fill(r.initial_state());
     }
+    let Schedule {
+        order,
+        steps,
+        transitions,
+        ..
+    } = s;
     let grouped = groups_dispatches(graph);
-    let mut steps = Vec::with_capacity(order.len() + 8);
-    let mut transitions = Vec::with_capacity(graph.accesses.len());
     let mut in_pass = false;
-    for &node in order {
+    for &node in &*order {
         let kind = StepKind::of(&graph.nodes[node as usize].work);
         let none = transitions.len() as u32..transitions.len() as u32;
         let compute = kind == StepKind::Dispatch;
@@ -42,13 +47,7 @@ pub(crate) fn steps(
         let start = transitions.len() as u32;
         for i in graph.nodes[node as usize].accesses.clone() {
             let a = &graph.accesses[i as usize];
-            push_transitions(
-                graph,
-                table,
-                &mut states,
-                (a.resource, a.range, a.state),
-                &mut transitions,
-            );
+            push_transitions(table, states, (a.resource, a.range, a.state), transitions);
         }
         steps.push(Step {
             kind,
@@ -65,7 +64,6 @@ pub(crate) fn steps(
             transitions: end..end,
         });
     }
-    (steps, transitions)
 }
 
 /// Consecutive dispatches share a pass, unless each must be timed and the device can time only passes.
@@ -77,14 +75,13 @@ pub(crate) fn groups_dispatches(graph: &FrameGraph<'_>) -> bool {
 
 /// One transition for the range if it is in one state, else one for each mip, else for each (mip, layer).
 fn push_transitions(
-    graph: &FrameGraph<'_>,
     table: &Table,
     states: &mut [State],
     (resource, range, after): (u32, Subresources, State),
     out: &mut Vec<Transition>,
 ) {
     let uniform = |states: &[State], range: Subresources| {
-        let mut entries = table.entries(graph, resource, range).map(|e| states[e]);
+        let mut entries = table.entries(resource, range).map(|e| states[e]);
         let first = entries.next()?;
         entries.all(|s| s == first).then_some(first)
     };
@@ -116,7 +113,7 @@ fn push_transitions(
                                 layers: 1,
                                 ..row
                             };
-                            for e in table.entries(graph, resource, one) {
+                            for e in table.entries(resource, one) {
                                 push(one, states[e]);
                             }
                         }
@@ -125,7 +122,7 @@ fn push_transitions(
             }
         }
     }
-    for e in table.entries(graph, resource, range) {
+    for e in table.entries(resource, range) {
         states[e] = after;
     }
 }

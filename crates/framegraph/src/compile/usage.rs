@@ -1,16 +1,17 @@
 //! Which usage each resource needs, from what the nodes that run do with it.
 
-use super::RingNeed;
+use super::{Schedule, reset};
 use crate::graph::{FrameGraph, Kind, Shape};
 
 /// For each resource its usage; `None` where nothing that runs uses it.
-pub(crate) fn usage(graph: &FrameGraph<'_>, order: &[u32]) -> Vec<Option<u32>> {
-    let mut usage = vec![None; graph.resources.len()];
+pub(super) fn usage(graph: &FrameGraph<'_>, s: &mut Schedule) {
+    let Schedule { order, usage, .. } = s;
+    reset(usage, graph.resources.len(), None);
     let mut need = |resource: u32, bits: u32| {
         let known: &mut Option<u32> = &mut usage[resource as usize];
         *known = Some(known.unwrap_or(0) | bits);
     };
-    for &n in order {
+    for &n in &*order {
         let node = &graph.nodes[n as usize];
         for a in &graph.accesses[node.accesses.start as usize..node.accesses.end as usize] {
             need(a.resource, a.usage);
@@ -30,26 +31,19 @@ pub(crate) fn usage(graph: &FrameGraph<'_>, order: &[u32]) -> Vec<Option<u32>> {
             *usage |= clobber_usage(graph, &r.shape);
         }
     }
-    usage
 }
 
-/// What each history's ring needs.
-pub(crate) fn rings(
-    graph: &FrameGraph<'_>,
-    written: &[bool],
-    usage: &[Option<u32>],
-) -> Vec<RingNeed> {
-    let need = |&written| RingNeed { usage: 0, written };
-    let mut rings: Vec<RingNeed> = written.iter().map(need).collect();
+/// The usage that each history's ring needs.
+pub(super) fn rings(graph: &FrameGraph<'_>, s: &mut Schedule) {
+    let Schedule { usage, rings, .. } = s;
     if rings.is_empty() {
-        return rings;
+        return;
     }
-    for (r, usage) in graph.resources.iter().zip(usage) {
+    for (r, usage) in graph.resources.iter().zip(&*usage) {
         if let Kind::Current(h) | Kind::Previous { history: h, .. } = r.kind {
             rings[h as usize].usage |= r.extra_usage | usage.unwrap_or(0);
         }
     }
-    rings
 }
 
 /// What an export promises: to be sampled and copied.

@@ -1,24 +1,89 @@
-//! Bind groups, found again by what they bind.
+//! Bind groups: kept with the plan while what they bind stays the same, else found again by what they
+//! bind.
 
-use crate::graph::{Bound, Node};
+use crate::compile::Schedule;
+use crate::graph::{Bind, Bound, Node};
 use crate::handle::Subresources;
 use crate::kernel::Interface;
 use crate::plan::Plan;
 use crate::pool::{Physical, Pool};
 use crate::reflect::BindingKind;
 
+/// The bind groups of a schedule as it was encoded last.
+#[derive(Default)]
+pub(crate) struct BoundGroups {
+    /// Whose they are.
+    pub serial: u64,
+    /// The encode of its pool that used them last.
+    pub used: u64,
+    /// For each node.
+    groups: Vec<Option<wgpu::BindGroup>>,
+    /// For each bind, the number of what its node's group binds.
+    seen: Vec<u32>,
+}
+
+impl BoundGroups {
+    /// None yet.
+    pub fn new(schedule: &Schedule) -> Self {
+        BoundGroups {
+            serial: schedule.serial,
+            ..BoundGroups::default()
+        }
+    }
+}
+
 impl Plan<'_> {
-    /// The bind group of a node's group 0; `key` is scratch space.
-    pub(super) fn bind_group(
+    /// The bind group of a node's group 0.
+    pub(super) fn bind_group<'b>(
         &self,
         pool: &mut Pool,
         physical: &[Physical],
-        node: &Node<'_>,
-        face: &Interface,
-        key: &mut Vec<u64>,
-    ) -> Option<wgpu::BindGroup> {
+        (node, face): (usize, &Interface),
+        bound: &'b mut BoundGroups,
+    ) -> Option<&'b wgpu::BindGroup> {
         let layout = face.layout.as_ref()?;
+        let range =
+            self.graph.nodes[node].binds.start as usize..self.graph.nodes[node].binds.end as usize;
+        let binds = &self.graph.binds[range.clone()];
+        let upload = pool.upload.buffer().map_or(0, |(_, id)| *id);
+        let number = |bind: &Bind| match bind.what {
+            Bound::Access(access) => {
+                let a = &self.graph.accesses[access as usize];
+                physical[a.resource as usize].id()
+            }
+            Bound::Uniform { .. } => upload,
+            Bound::Sampler(_) | Bound::Mistake => 0,
+        };
+        if bound.groups.len() < self.graph.nodes.len() {
+            bound.groups.resize(self.graph.nodes.len(), None);
+            bound.seen.resize(self.graph.binds.len(), 0);
+        }
+        let seen = &mut bound.seen[range];
+        let same = binds
+            .iter()
+            .zip(&*seen)
+            .all(|(bind, &id)| number(bind) == id);
+        if !same || bound.groups[node].is_none() {
+            for (bind, id) in binds.iter().zip(seen) {
+                *id = number(bind);
+            }
+            let group = self.find_group(pool, physical, (node, face), layout);
+            bound.groups[node] = Some(group);
+        }
+        bound.groups[node].as_ref()
+    }
+
+    /// The group that binds the same, or a new one.
+    fn find_group(
+        &self,
+        pool: &mut Pool,
+        physical: &[Physical],
+        (node, face): (usize, &Interface),
+        layout: &wgpu::BindGroupLayout,
+    ) -> wgpu::BindGroup {
+        let node = &self.graph.nodes[node];
         let binds = &self.graph.binds[node.binds.start as usize..node.binds.end as usize];
+        let mut key = std::mem::take(&mut pool.cache.key);
         key.clear();
         key.push(face.id);
         for bind in binds {
@@ -47,19 +112,23 @@ impl Plan<'_> {
                 Bound::Mistake => {}
             }
         }
-        if let Some(group) = pool.cache.group(key) {
-            return Some(group);
-        }
-        let group = self.make_group(pool, physical, node, face, layout);
-        pool.cache.keep_group(key, group.clone());
-        Some(group)
+        let group = match pool.cache.group(&key) {
+            Some(group) => group,
+            None => {
+                let group = self.make_group(pool, physical, node, face, layout);
+                pool.cache.keep_group(&key, group.clone());
+                group
+            }
+        };
+        pool.cache.key = key;
+        group
     }
 
     fn make_group(
         &self,
         pool: &mut Pool,
         physical: &[Physical],
-        node: &Node<'_>,
+        node: &Node,
         face: &Interface,
         layout: &wgpu::BindGroupLayout,
     ) -> wgpu::BindGroup {

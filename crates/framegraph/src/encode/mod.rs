@@ -5,8 +5,10 @@ mod passes;
 
 use std::sync::Arc;
 
+pub(crate) use bind::BoundGroups;
+
 use crate::error::EncodeError;
-use crate::graph::{Kind, RingState, Work};
+use crate::graph::{Import, Kind, RingState, Work, age_label};
 use crate::handle::{Buffer, Raw, Texture, View};
 use crate::plan::{Plan, StepKind};
 use crate::pool::{Physical, Pool};
@@ -78,14 +80,16 @@ impl<'f> Plan<'f> {
         pool.begin_encode();
         pool.upload.write(&pool.device, encoder, &self.graph.upload);
         let physical = self.materialize(encoder, pool);
-        self.record(encoder, pool, &physical);
+        let mut bound = pool.take_bound(&self.schedule);
+        self.record(encoder, pool, &physical, &mut bound);
+        pool.bound.insert(0, bound);
         for export in &self.graph.exports {
-            pool.exports.insert(
-                export.key.clone(),
-                physical[export.raw.resource as usize].clone(),
-            );
+            let physical = physical[export.raw.resource as usize].clone();
+            pool.exports.push((export.key.clone(), physical));
         }
         self.advance(pool);
+        pool.physical = physical;
+        pool.physical.clear();
         Ok(())
     }
 
@@ -96,30 +100,33 @@ impl<'f> Plan<'f> {
             pool.rings.prepare(&pool.device, encoder, h, need.usage);
         }
         let slots = pool.store.slots(&pool.device, graph, &self.schedule.slots);
-        graph
-            .resources
-            .iter()
+        let mut physical = std::mem::take(&mut pool.physical);
+        let each = (graph.resources.iter())
             .zip(&self.schedule.usage)
-            .zip(&self.schedule.slots.of)
-            .map(|((r, &usage), &slot)| match (&r.kind, usage) {
+            .zip(&self.schedule.slots.of);
+        physical.extend(each.map(|((r, &usage), &slot)| {
+            match (r.kind, usage) {
                 (_, None) => Physical::None,
                 (Kind::Transient, _) => slots
                     .get(slot as usize)
                     .map_or(Physical::None, |memory| memory.seen_as(&r.shape)),
-                (Kind::ImportedTexture(texture), _) => {
-                    let id = pool.cache.texture_id(texture);
-                    Physical::Texture(texture.clone(), id, texture.format())
-                }
-                (Kind::ImportedBuffer(buffer), _) => {
-                    let id = pool.cache.buffer_id(buffer);
-                    Physical::Buffer(buffer.clone(), id, buffer.size())
-                }
-                (Kind::Current(h), _) => pool.rings.slot(&graph.histories[*h as usize], 0),
+                (Kind::Imported(i), _) => match &graph.imports[i as usize] {
+                    Import::Texture(texture) => {
+                        let id = pool.cache.texture_id(texture);
+                        Physical::Texture(texture.clone(), id, texture.format())
+                    }
+                    Import::Buffer(buffer) => {
+                        let id = pool.cache.buffer_id(buffer);
+                        Physical::Buffer(buffer.clone(), id, buffer.size())
+                    }
+                },
+                (Kind::Current(h), _) => pool.rings.slot(&graph.histories[h as usize], 0),
                 (Kind::Previous { history, age, .. }, _) => {
-                    pool.rings.slot(&graph.histories[*history as usize], *age)
+                    pool.rings.slot(&graph.histories[history as usize], age)
                 }
-            })
-            .collect()
+            }
+        }));
+        physical
     }
 
     fn record(
@@ -127,8 +134,9 @@ impl<'f> Plan<'f> {
         encoder: &mut wgpu::CommandEncoder,
         pool: &mut Pool,
         physical: &[Physical],
+        bound: &mut BoundGroups,
     ) {
-        let features = pool.device.features();
+        let features = pool.caps.features;
         let timed =
             self.graph.debug.timestamps && features.contains(wgpu::Features::TIMESTAMP_QUERY);
         pool.timer.begin(
@@ -150,17 +158,11 @@ impl<'f> Plan<'f> {
                         .iter()
                         .take_while(|s| s.kind == StepKind::Dispatch)
                         .count();
-                    self.compute_pass(encoder, pool, physical, &steps[at..at + count]);
+                    self.compute_pass(encoder, pool, physical, &steps[at..at + count], bound);
                     at += count;
                 }
                 StepKind::Dispatch | StepKind::EndCompute => {}
-                StepKind::Raster => {
-                    if let Work::Raster(raster) =
-                        std::mem::replace(&mut self.graph.nodes[node].work, Work::None)
-                    {
-                        self.render_pass(encoder, pool, physical, node, *raster);
-                    }
-                }
+                StepKind::Raster => self.render_pass(encoder, pool, physical, node, bound),
                 _ => {
                     let queries = if timed {
                         pool.timer.node(&self.graph.nodes[node].label)
@@ -192,7 +194,7 @@ impl<'f> Plan<'f> {
         let at = |i: u32| {
             &physical[self.graph.accesses[(accesses.start + i) as usize].resource as usize]
         };
-        match std::mem::replace(&mut self.graph.nodes[node].work, Work::None) {
+        match self.graph.nodes[node].work {
             Work::CopyTexture | Work::CopyBuffer => crate::pool::copy(encoder, at(0), at(1)),
             Work::Clear(value) => {
                 let access = self.graph.accesses[accesses.start as usize];
@@ -216,7 +218,10 @@ impl<'f> Plan<'f> {
                     encoder.copy_buffer_to_buffer(upload, offset, buffer, 0, *bytes);
                 }
             }
-            Work::Foreign(work) => {
+            Work::Foreign(index) => {
+                let Some(work) = self.graph.foreign[index as usize].take() else {
+                    return;
+                };
                 let label = &self.graph.nodes[node].label;
                 encoder.push_debug_group(label);
                 work(
@@ -228,25 +233,22 @@ impl<'f> Plan<'f> {
                 );
                 encoder.pop_debug_group();
             }
-            Work::None | Work::Compute { .. } | Work::Raster(_) => {}
+            Work::None | Work::Compute { .. } | Work::Raster { .. } => {}
         }
     }
 
     /// Tells the pool what became of each history.
-    fn advance(self, pool: &mut Pool) {
-        let Plan {
-            mut graph,
-            schedule,
-        } = self;
+    fn advance(&mut self, pool: &mut Pool) {
+        let graph = &mut self.graph;
         if graph.histories.is_empty() {
             return;
         }
         // So that the pool's own state is the only one, and is changed in place.
-        graph.states = Arc::default();
+        graph.states = pool.no_states.clone();
         let frame = graph.params.frame;
         let states = Arc::make_mut(&mut pool.states);
-        for (h, need) in graph.histories.into_iter().zip(&schedule.rings) {
-            let state = states.entry(h.key).or_insert_with(|| RingState {
+        for (h, need) in graph.histories.iter_mut().zip(&self.schedule.rings) {
+            let state = states.entry(h.key.clone()).or_insert_with(|| RingState {
                 shape: h.shape,
                 frames: h.frames,
                 info: HistoryInfo {
@@ -257,11 +259,15 @@ impl<'f> Plan<'f> {
                 },
                 head: 0,
                 pending: None,
+                ages: Vec::new(),
             });
+            let known = state.ages.len() as u32;
+            let ages = (known..h.frames).map(|age| age_label(&h.key, age + 1));
+            state.ages.extend(ages);
             (state.shape, state.frames, state.head, state.pending) =
                 (h.shape, h.frames, h.head, None);
             state.info.frames = h.kept;
-            if let Some(reset) = h.reset {
+            if let Some(reset) = h.reset.take() {
                 state.info.since = frame;
                 state.info.reset = reset;
             }

@@ -1,10 +1,15 @@
 //! Compute passes, render passes, clears.
 
+use super::BoundGroups;
 use crate::desc::Load;
-use crate::graph::{Dispatch, Kind, Raster, Shape, Work};
+use crate::graph::{Dispatch, Kind, Shape, Target, Work};
 use crate::handle::Subresources;
+use crate::kernel::Kernel;
 use crate::plan::{Plan, Step};
 use crate::pool::{Physical, Pool};
+
+/// Colour attachments that any device has at most.
+const MOST_COLORS: usize = 8;
 
 impl Plan<'_> {
     /// One compute pass with these dispatches.
@@ -14,8 +19,9 @@ impl Plan<'_> {
         pool: &mut Pool,
         physical: &[Physical],
         steps: &[Step],
+        bound: &mut BoundGroups,
     ) {
-        let features = pool.device.features();
+        let features = pool.caps.features;
         let debug = self.graph.debug;
         let timed = debug.timestamps && features.contains(wgpu::Features::TIMESTAMP_QUERY);
         let inside = features.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES);
@@ -38,11 +44,17 @@ impl Plan<'_> {
                     end_of_pass_write_index: Some(first + 1),
                 }),
         });
-        let mut key = Vec::new();
-        let mut last = 0;
+        let mut last = u32::MAX;
         for step in steps {
             let node = &self.graph.nodes[step.node as usize];
-            let Work::Compute { kernel, dispatch } = &node.work else {
+            let Work::Compute {
+                kernel: index,
+                dispatch,
+            } = node.work
+            else {
+                continue;
+            };
+            let Kernel::Compute(kernel) = &self.graph.kernels[index as usize] else {
                 continue;
             };
             let face = &kernel.0.interface;
@@ -58,19 +70,20 @@ impl Plan<'_> {
                 pass.write_timestamp(set, *first);
                 pool.timer.wait(&mut pass);
             }
-            if last != face.id {
+            if last != index {
                 pass.set_pipeline(&kernel.0.pipeline);
-                last = face.id;
+                last = index;
             }
-            if let Some(group) = self.bind_group(pool, physical, node, face, &mut key) {
-                pass.set_bind_group(0, &group, &[]);
+            let at = (step.node as usize, face);
+            if let Some(group) = self.bind_group(pool, physical, at, bound) {
+                pass.set_bind_group(0, group, &[]);
             }
             for (index, group) in
                 &self.graph.groups[node.groups.start as usize..node.groups.end as usize]
             {
                 pass.set_bind_group(*index, group, &[]);
             }
-            match *dispatch {
+            match dispatch {
                 Dispatch::Workgroups([x, y, z]) => pass.dispatch_workgroups(x, y, z),
                 Dispatch::Indirect { access, offset } => {
                     let resource = self.graph.accesses[access as usize].resource;
@@ -91,44 +104,60 @@ impl Plan<'_> {
 
     /// One render pass.
     pub(super) fn render_pass(
-        &self,
+        &mut self,
         encoder: &mut wgpu::CommandEncoder,
         pool: &mut Pool,
         physical: &[Physical],
-        node: usize,
-        raster: Raster<'_>,
+        at: usize,
+        bound: &mut BoundGroups,
     ) {
-        let node = &self.graph.nodes[node];
-        let timed = self.graph.debug.timestamps
-            && pool
-                .device
-                .features()
-                .contains(wgpu::Features::TIMESTAMP_QUERY);
-        let face = &raster.kernel.0.interface;
-        let group = self.bind_group(pool, physical, node, face, &mut Vec::new());
-        let mut view = |access: u32| {
-            let a = self.graph.accesses.get(access as usize)?;
-            attachment(pool, &physical[a.resource as usize], a.range)
+        let Work::Raster {
+            kernel,
+            attachments: (first, count),
+            draw,
+        } = self.graph.nodes[at].work
+        else {
+            return;
         };
-        let colors: Vec<_> = raster
-            .colors
-            .iter()
-            .map(|&(_, access, load)| (view(access), load))
-            .collect();
-        let depth = raster
-            .depth
-            .and_then(|(access, load)| Some((view(access)?, load)));
-        let color_attachments: Vec<_> = colors
-            .iter()
-            .map(|(view, load)| {
-                Some(wgpu::RenderPassColorAttachment {
-                    view: view.as_ref()?,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: operations(*load),
-                })
-            })
-            .collect();
+        let Some(record) = self.graph.draws[draw as usize].take() else {
+            return;
+        };
+        let Kernel::Raster(kernel) = &self.graph.kernels[kernel as usize] else {
+            return;
+        };
+        let node = &self.graph.nodes[at];
+        let timed = self.graph.debug.timestamps
+            && pool.caps.features.contains(wgpu::Features::TIMESTAMP_QUERY);
+        let group = self.bind_group(pool, physical, (at, &kernel.0.interface), bound);
+        let own = &self.graph.attachments[first as usize..(first + count) as usize];
+        let mut views: [Option<wgpu::TextureView>; MOST_COLORS + 1] = Default::default();
+        for (view, attachment) in views.iter_mut().zip(own) {
+            let a = self.graph.accesses[attachment.access as usize];
+            *view = self::attachment(pool, &physical[a.resource as usize], a.range);
+        }
+        let mut colors = [const { None }; MOST_COLORS];
+        let mut depth = None;
+        for (i, (view, attachment)) in views.iter().zip(own).enumerate() {
+            let Some(view) = view else { return };
+            match attachment.target {
+                Target::Color(_, load) => {
+                    colors[i] = Some(wgpu::RenderPassColorAttachment {
+                        view,
+                        depth_slice: None,
+                        resolve_target: None,
+                        ops: operations(load),
+                    });
+                }
+                Target::Depth(load) => {
+                    depth = Some(wgpu::RenderPassDepthStencilAttachment {
+                        view,
+                        depth_ops: Some(operations(load)),
+                        stencil_ops: None,
+                    });
+                }
+            }
+        }
+        let count = kernel.0.targets.len();
         let queries = if timed {
             pool.timer.node(&node.label)
         } else {
@@ -136,14 +165,8 @@ impl Plan<'_> {
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(&node.label),
-            color_attachments: &color_attachments,
-            depth_stencil_attachment: depth.as_ref().map(|(view, load)| {
-                wgpu::RenderPassDepthStencilAttachment {
-                    view,
-                    depth_ops: Some(operations(*load)),
-                    stencil_ops: None,
-                }
-            }),
+            color_attachments: colors.get(..count).unwrap_or(&colors),
+            depth_stencil_attachment: depth,
             timestamp_writes: queries.as_ref().map(|(set, first)| {
                 wgpu::RenderPassTimestampWrites {
                     query_set: set,
@@ -153,8 +176,8 @@ impl Plan<'_> {
             }),
             ..Default::default()
         });
-        pass.set_pipeline(&raster.kernel.0.pipeline);
-        if let Some(group) = &group {
+        pass.set_pipeline(&kernel.0.pipeline);
+        if let Some(group) = group {
             pass.set_bind_group(0, group, &[]);
         }
         for (index, group) in
@@ -162,7 +185,7 @@ impl Plan<'_> {
         {
             pass.set_bind_group(*index, group, &[]);
         }
-        (raster.draw)(&mut pass);
+        record(&mut pass);
     }
 
     /// Clears a range by an empty render pass for each mip and layer.

@@ -6,6 +6,7 @@ use crate::handle::{Raw, Subresources, View};
 use crate::state::{Mode, State};
 
 impl FrameGraph<'_> {
+    #[cold]
     pub(crate) fn fail(
         &mut self,
         code: Code,
@@ -85,7 +86,7 @@ impl FrameGraph<'_> {
         }
         self.check_conflict(node, raw.resource, range, mode, site);
         let index = self.accesses.len() as u32;
-        self.accesses.push(Access {
+        let access = Access {
             node,
             resource: raw.resource,
             range,
@@ -94,7 +95,9 @@ impl FrameGraph<'_> {
             usage,
             version: latest,
             site,
-        });
+        };
+        self.note_access(&access);
+        self.accesses.push(access);
         self.nodes[node as usize].accesses.end = index + 1;
         if mode.writes() {
             self.resources[raw.resource as usize].latest = latest + 1;
@@ -111,6 +114,7 @@ impl FrameGraph<'_> {
     }
 
     /// Reports the use of a version that a node other than `node` has replaced.
+    #[cold]
     pub(crate) fn check_stale(&mut self, node: Option<u32>, raw: Raw, writes: bool, site: Site) {
         let replacing =
             |a: &&Access| a.resource == raw.resource && a.mode.writes() && a.version == raw.version;

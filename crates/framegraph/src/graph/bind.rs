@@ -12,7 +12,14 @@ impl FrameGraph<'_> {
     /// The slot of a name, unless it is unknown or taken.
     fn slot(&mut self, face: &Interface, node: u32, name: &str, site: Site) -> Option<usize> {
         let bindings = &face.reflection.bindings[..face.slots];
-        let Some(slot) = bindings.iter().position(|b| b.name == name) else {
+        let own = &self.binds[self.nodes[node as usize].binds.start as usize..];
+        // Most bind in the order in which the shader declares.
+        let next = own.len();
+        let slot = match bindings.get(next) {
+            Some(b) if b.name == name => Some(next),
+            _ => bindings.iter().position(|b| b.name == name),
+        };
+        let Some(slot) = slot else {
             let names = bindings.iter().map(|b| b.name.as_str());
             let label = &self.nodes[node as usize].label;
             let message = format!(
@@ -47,6 +54,7 @@ impl FrameGraph<'_> {
     }
 
     fn bind(&mut self, node: u32, slot: usize, what: Bound, site: Site) {
+        self.note_bind(slot as u32, what);
         self.binds.push(Bind {
             slot: slot as u32,
             what,
@@ -88,14 +96,14 @@ impl FrameGraph<'_> {
             return poison;
         };
         let Resource {
-            label,
             shape: Shape::Texture { format, depth, .. },
+            sample: samples,
             ..
-        } = &self.resources[resource]
+        } = self.resources[resource]
         else {
             return poison;
         };
-        let (label, format, depth) = (label.clone(), *format, *depth);
+        let label = |graph: &Self| graph.resources[resource].label.clone();
         let binding = &face.reflection.bindings[slot];
         if !self.check_mode(at, name, binding.access, mode, site) {
             return poison;
@@ -106,7 +114,8 @@ impl FrameGraph<'_> {
                 dimension,
                 filtered,
             } => {
-                if let Err(help) = samples_as(format, *sample, *filtered, self.caps.features) {
+                if let Err(help) = samples_as(samples, *sample, *filtered) {
+                    let label = label(self);
                     let message = format!(
                         "binds `{label}` ({format:?}) to `{name}`, which is read as {sample:?}"
                     );
@@ -121,6 +130,7 @@ impl FrameGraph<'_> {
                 access,
             } => {
                 if format != *declared {
+                    let label = label(self);
                     let message =
                         format!("binds `{label}` ({format:?}) to `{name}`, which is {declared:?}");
                     self.mistake(
@@ -140,6 +150,7 @@ impl FrameGraph<'_> {
                 (state, *dimension)
             }
             kind => {
+                let label = label(self);
                 let message = format!(
                     "binds the texture `{label}` to `{name}`, which is {}",
                     noun(kind)
@@ -149,6 +160,7 @@ impl FrameGraph<'_> {
             }
         };
         if let Err(help) = dimension_fits(dimension, depth, range, state) {
+            let label = label(self);
             let message = format!(
                 "binds {} mips and {} layers of `{label}` to `{name}`, which is {dimension:?}",
                 range.mips, range.layers
@@ -182,14 +194,13 @@ impl FrameGraph<'_> {
             return poison;
         };
         let Resource {
-            label,
             shape: Shape::Buffer { bytes },
             ..
-        } = &self.resources[resource]
+        } = self.resources[resource]
         else {
             return poison;
         };
-        let (label, bytes) = (label.clone(), *bytes);
+        let label = |graph: &Self| graph.resources[resource].label.clone();
         let binding = &face.reflection.bindings[slot];
         if !self.check_mode(at, name, binding.access, mode, site) {
             return poison;
@@ -216,6 +227,7 @@ impl FrameGraph<'_> {
                 self.caps.limits.max_uniform_buffer_binding_size,
             ),
             kind => {
+                let label = label(self);
                 let message = format!(
                     "binds the buffer `{label}` to `{name}`, which is {}",
                     noun(kind)
@@ -225,6 +237,7 @@ impl FrameGraph<'_> {
             }
         };
         if bytes < needed || bytes > most {
+            let label = label(self);
             let message = format!("binds `{label}` of {bytes} bytes to `{name}`");
             let help = format!(
                 "the shader needs at least {needed} bytes, and this device binds at most {most}"
@@ -288,7 +301,7 @@ impl FrameGraph<'_> {
         };
         match &face.reflection.bindings[slot].kind {
             BindingKind::Sampler { comparison } if *comparison == desc.compare.is_some() => {
-                self.samplers.push(wgpu::SamplerDescriptor {
+                let desc = wgpu::SamplerDescriptor {
                     label: None,
                     address_mode_u: desc.address_mode_u,
                     address_mode_v: desc.address_mode_v,
@@ -301,13 +314,14 @@ impl FrameGraph<'_> {
                     compare: desc.compare,
                     anisotropy_clamp: desc.anisotropy_clamp,
                     border_color: desc.border_color,
+                };
+                // A frame has few different ones.
+                let known = self.samplers.iter().position(|s| *s == desc);
+                let index = known.unwrap_or_else(|| {
+                    self.samplers.push(desc);
+                    self.samplers.len() - 1
                 });
-                self.bind(
-                    node,
-                    slot,
-                    Bound::Sampler(self.samplers.len() as u32 - 1),
-                    site,
-                );
+                self.bind(node, slot, Bound::Sampler(index as u32), site);
             }
             kind => {
                 let message = format!("gives a sampler to `{name}`, which is {}", noun(kind));
@@ -349,6 +363,11 @@ impl FrameGraph<'_> {
     /// Reports what a kernel needs and the node has not given.
     pub(crate) fn check_bound(&mut self, face: &Interface, node: u32) {
         let n = &self.nodes[node as usize];
+        let (bound, given) = (n.binds.len(), n.groups.len());
+        // No name is bound twice without an error.
+        if self.errors.is_empty() && bound == face.slots && given == face.external.len() {
+            return;
+        }
         let (label, site) = (n.label.clone(), n.site);
         for slot in 0..face.slots {
             if !self.binds[n_range(&self.nodes[node as usize].binds)]

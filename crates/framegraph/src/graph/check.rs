@@ -1,9 +1,19 @@
 //! Checks of sizes, formats and usage against what any device, or this one, can make.
 
-use super::{FrameGraph, Kind, Shape};
+use super::{FrameGraph, Shape};
 use crate::desc::TextureDesc;
 use crate::error::{Code, GraphError, Site};
 use crate::handle::Label;
+
+/// What a device can do with a format.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FormatCaps {
+    /// Features that the format needs and the device was made without.
+    missing: wgpu::Features,
+    /// wgpu's bits of the usage that it allows.
+    pub allowed: u32,
+    pub sample: Option<wgpu::TextureSampleType>,
+}
 
 impl FrameGraph<'_> {
     /// The shape of a texture, reporting impossible sizes.
@@ -36,7 +46,7 @@ impl FrameGraph<'_> {
                 format!("this device makes 1 to {most}"),
             );
         }
-        let missing = desc.format.required_features() - self.caps.features;
+        let missing = self.format_caps(desc.format).missing;
         if !missing.is_empty() {
             self.fail(
                 Code::Usage,
@@ -76,45 +86,61 @@ impl FrameGraph<'_> {
 
     /// Reports usage that an imported resource was not made with, or that the format does not have.
     pub(crate) fn check_usage(&mut self, resource: usize, usage: u32, site: Site) {
-        let r = &self.resources[resource];
-        let textures = |has: wgpu::TextureUsages| {
-            let missing = wgpu::TextureUsages::from_bits_truncate(usage) - has;
-            (!missing.is_empty()).then(|| format!("{missing:?}"))
-        };
-        let missing = match (&r.kind, &r.shape) {
-            (Kind::ImportedTexture(texture), _) => textures(texture.usage()),
-            (Kind::ImportedBuffer(buffer), _) => {
-                let missing = wgpu::BufferUsages::from_bits_truncate(usage) - buffer.usage();
-                (!missing.is_empty()).then(|| format!("{missing:?}"))
-            }
-            (_, Shape::Texture { format, .. }) => textures(allowed_usage(*format, &self.caps)),
-            (_, Shape::Buffer { .. }) => None,
-        };
-        if let Some(missing) = missing {
-            let help = match (r.is_imported(), &r.shape) {
-                (false, Shape::Texture { format, .. }) => {
-                    format!("{format:?} does not allow it on this device: choose another format")
-                }
-                _ => "create it with this usage".into(),
-            };
-            let error = GraphError::new(
-                Code::Usage,
-                format!("`{}` lacks {missing}", r.label),
-                site,
-                help,
-            )
-            .with("declared", r.site);
-            self.errors.push(error);
+        let missing = usage & !self.resources[resource].allowed;
+        if missing != 0 {
+            self.report_usage(resource, missing, site);
         }
+    }
+
+    #[cold]
+    fn report_usage(&mut self, resource: usize, missing: u32, site: Site) {
+        let r = &self.resources[resource];
+        let missing = match r.shape {
+            Shape::Texture { .. } => {
+                format!("{:?}", wgpu::TextureUsages::from_bits_truncate(missing))
+            }
+            Shape::Buffer { .. } => {
+                format!("{:?}", wgpu::BufferUsages::from_bits_truncate(missing))
+            }
+        };
+        let help = match (r.is_imported(), &r.shape) {
+            (false, Shape::Texture { format, .. }) => {
+                format!("{format:?} does not allow it on this device: choose another format")
+            }
+            _ => "create it with this usage".into(),
+        };
+        let error = GraphError::new(
+            Code::Usage,
+            format!("`{}` lacks {missing}", r.label),
+            site,
+            help,
+        )
+        .with("declared", r.site);
+        self.errors.push(error);
+    }
+
+    /// What the device can do with a format; a frame has few different ones.
+    pub(crate) fn format_caps(&mut self, format: wgpu::TextureFormat) -> FormatCaps {
+        if let Some((_, caps)) = self.formats.iter().find(|(f, _)| *f == format) {
+            return *caps;
+        }
+        let features = self.caps.features;
+        let aspect = format
+            .has_depth_aspect()
+            .then_some(wgpu::TextureAspect::DepthOnly);
+        let caps = FormatCaps {
+            missing: format.required_features() - features,
+            allowed: allowed_usage(format, &self.caps).bits(),
+            sample: format.sample_type(aspect, Some(features)),
+        };
+        self.formats.push((format, caps));
+        caps
     }
 }
 
 /// What the device certainly can do with a format. With adapter-specific format features anything
 /// may be possible, and wgpu itself is the judge.
-pub(crate) fn allowed_usage(
-    format: wgpu::TextureFormat,
-    caps: &super::Caps,
-) -> wgpu::TextureUsages {
+fn allowed_usage(format: wgpu::TextureFormat, caps: &super::Caps) -> wgpu::TextureUsages {
     match caps
         .features
         .contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES)

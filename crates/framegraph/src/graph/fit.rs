@@ -31,16 +31,12 @@ pub(super) fn remedy(kind: &BindingKind) -> &'static str {
 
 /// Whether a format can be read as the shader reads it; else what to do.
 pub(super) fn samples_as(
-    format: wgpu::TextureFormat,
+    texels: Option<wgpu::TextureSampleType>,
     sample: Sample,
     filtered: bool,
-    features: wgpu::Features,
 ) -> Result<(), &'static str> {
     use wgpu::TextureSampleType as T;
-    let aspect = format
-        .has_depth_aspect()
-        .then_some(wgpu::TextureAspect::DepthOnly);
-    match (sample, format.sample_type(aspect, Some(features))) {
+    match (sample, texels) {
         (Sample::Float, Some(T::Float { filterable: false } | T::Depth)) if filtered => Err(
             "the format cannot be filtered on this device: read it with textureLoad, or use a 16-bit float format",
         ),

@@ -68,8 +68,9 @@ impl<'f> ForeignNode<'_, 'f> {
     /// Gives the work. The encoder is in no pass; handles are looked up in the
     /// [`Resources`](crate::Resources).
     pub fn record(self, work: impl FnOnce(&mut wgpu::CommandEncoder, &crate::Resources<'_>) + 'f) {
-        self.graph
-            .finish_node(self.node, Work::Foreign(Box::new(work)));
+        self.graph.foreign.push(Some(Box::new(work)));
+        let index = self.graph.foreign.len() as u32 - 1;
+        self.graph.finish_node(self.node, Work::Foreign(index));
     }
 
     #[track_caller]

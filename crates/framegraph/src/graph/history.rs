@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::{FrameGraph, Kind, Work, here};
-use crate::desc::{First, FirstBuffer, HistoryBuffer, HistoryTexture, TextureDesc};
+use super::{FrameGraph, Kind, Word, Work, here};
+use crate::desc::{First, FirstBuffer, HistoryBuffer, HistoryTexture, Previous, TextureDesc};
 use crate::error::{Code, GraphError, Site};
 use crate::handle::{Buffer, Label, Raw, Texture};
 
@@ -116,8 +116,16 @@ pub(crate) struct RingState {
     pub head: u32,
     /// A reset that the next frame must obey.
     pub pending: Option<Reset>,
+    /// The names of the past frames, youngest first.
+    pub ages: Vec<Label>,
 }
 
+/// The name of a past frame of a history.
+pub(crate) fn age_label(key: &Label, age: u32) -> Label {
+    Label::from(format!("{key}@-{age}"))
+}
+
+/// What a pool knows of its histories.
 pub(crate) type HistoryStates = BTreeMap<Label, RingState>;
 
 /// A history as one frame declares it.
@@ -165,11 +173,11 @@ impl FrameGraph<'_> {
             First::Skip => Fill::Skip,
             First::Copy(texture) => Fill::Copy(texture.0),
         };
-        let (current, previous) =
-            self.history(key, shape, desc.extra_usage.bits(), frames, fill, site);
+        let usage = desc.extra_usage.bits();
+        let (current, previous) = self.history(key, (shape, usage), frames, fill, Texture, site);
         HistoryTexture {
             current: Texture(current),
-            previous: previous.into_iter().map(|raw| raw.map(Texture)).collect(),
+            previous,
         }
     }
 
@@ -189,22 +197,22 @@ impl FrameGraph<'_> {
             FirstBuffer::Skip => Fill::Skip,
             FirstBuffer::Copy(buffer) => Fill::Copy(buffer.0),
         };
-        let (current, previous) = self.history(key, shape, 0, frames, fill, site);
+        let (current, previous) = self.history(key, (shape, 0), frames, fill, Buffer, site);
         HistoryBuffer {
             current: Buffer(current),
-            previous: previous.into_iter().map(|raw| raw.map(Buffer)).collect(),
+            previous,
         }
     }
 
-    fn history(
+    fn history<T>(
         &mut self,
         key: Label,
-        shape: Shape,
-        usage: u32,
+        (shape, usage): (Shape, u32),
         frames: u32,
         fill: Fill,
+        handle: fn(Raw) -> T,
         site: Site,
-    ) -> (Raw, Vec<Option<Raw>>) {
+    ) -> (Raw, Previous<T>) {
         if let Some(first) = self.histories.iter().find(|h| h.key == key) {
             let error = GraphError::new(
                 Code::DuplicateKey,
@@ -214,7 +222,8 @@ impl FrameGraph<'_> {
             );
             let error = error.with("first declared", first.site);
             self.errors.push(error);
-            return (Raw::POISON, vec![Some(Raw::POISON); frames as usize]);
+            let poison = (0..frames).map(|_| Some(handle(Raw::POISON)));
+            return (Raw::POISON, poison.collect());
         }
         let (kept, head, reset) = match self.states.get(&key) {
             None => (0, 0, Some(Reset::FirstFrame)),
@@ -245,6 +254,9 @@ impl FrameGraph<'_> {
             Some(s) => (s.info.frames, s.head, None),
         };
         let history = self.histories.len() as u32;
+        let skipped = matches!(fill, Fill::Skip) && kept < frames;
+        let how = u64::from(skipped) << 32 | u64::from(frames);
+        self.note(Word::History, how, None);
         let current = self.add(key.clone(), Kind::Current(history), shape, usage, site);
         self.histories.push(HistoryUse {
             key: key.clone(),
@@ -254,16 +266,20 @@ impl FrameGraph<'_> {
             kept,
             reset,
             head,
-            skipped: matches!(fill, Fill::Skip) && kept < frames,
+            skipped,
             site,
         });
+        let states = self.states.clone();
         let previous = (1..=frames)
             .map(|age| {
                 let has = age <= kept;
                 if !has && matches!(fill, Fill::Skip) {
                     return None;
                 }
-                let label = Label::from(format!("{key}@-{age}"));
+                let label = match states.get(&key).and_then(|s| s.ages.get(age as usize - 1)) {
+                    Some(label) => label.clone(),
+                    None => age_label(&key, age),
+                };
                 let raw = self.add(
                     label.clone(),
                     Kind::Previous {
@@ -275,11 +291,10 @@ impl FrameGraph<'_> {
                     usage,
                     site,
                 );
-                Some(if has {
-                    raw
-                } else {
-                    self.fill_first(&label, raw, &fill, site)
-                })
+                Some(handle(match has {
+                    true => raw,
+                    false => self.fill_first(&label, raw, &fill, site),
+                }))
             })
             .collect();
         (current, previous)

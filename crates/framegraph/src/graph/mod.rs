@@ -1,11 +1,13 @@
 //! The graph as it is declared: flat lists of resources, nodes and accesses.
 
 mod access;
+mod arena;
 mod bind;
 mod check;
 mod fit;
 mod foreign;
 mod history;
+mod key;
 mod nodes;
 mod transfer;
 
@@ -18,12 +20,16 @@ pub use foreign::ForeignNode;
 pub use history::{HistoryInfo, Reset};
 pub use nodes::{ComputeNode, RasterNode};
 
-pub(crate) use history::{HistoryStates, HistoryUse, RingState, Shape};
+pub(crate) use arena::{Arena, Shared};
+pub(crate) use check::FormatCaps;
+pub(crate) use history::{HistoryStates, HistoryUse, RingState, Shape, age_label};
+use key::Word;
 
+use crate::compile::Scratch;
 use crate::desc::{Debug, FrameParams, Load, TextureDesc};
 use crate::error::{Code, GraphError, Site};
 use crate::handle::{Buffer, Label, Raw, Subresources, Texture};
-use crate::kernel::{ComputeKernel, RasterKernel};
+use crate::kernel::Kernel;
 use crate::state::{Mode, State};
 
 /// The device's answers that declaration needs.
@@ -43,19 +49,34 @@ pub struct FrameGraph<'f> {
     pub(crate) brand: u32,
     pub(crate) pool: u32,
     pub(crate) caps: Arc<Caps>,
+    pub(crate) shared: Arc<Shared>,
     pub(crate) params: FrameParams,
     pub(crate) debug: Debug,
     pub(crate) states: Arc<HistoryStates>,
+    /// What decides the plan, as one stream: see `key`.
+    pub(crate) words: Vec<u64>,
     pub(crate) resources: Vec<Resource>,
-    pub(crate) nodes: Vec<Node<'f>>,
+    pub(crate) nodes: Vec<Node>,
     pub(crate) accesses: Vec<Access>,
     pub(crate) binds: Vec<Bind>,
     pub(crate) groups: Vec<(u32, wgpu::BindGroup)>,
+    /// The different samplers in use.
     pub(crate) samplers: Vec<wgpu::SamplerDescriptor<'static>>,
+    pub(crate) attachments: Vec<Attachment>,
+    /// The different kernels in use, and for each kernel's id where it probably is among them.
+    pub(crate) kernels: Vec<Kernel>,
+    kernel_at: Vec<u32>,
+    pub(crate) imports: Vec<Import>,
+    /// What raster and foreign nodes call.
+    pub(crate) draws: Vec<Option<Box<DrawWork<'f>>>>,
+    pub(crate) foreign: Vec<Option<Box<ForeignWork<'f>>>>,
     /// Uniform data and uploads, at offsets that the device accepts.
     pub(crate) upload: Vec<u8>,
     pub(crate) exports: Vec<Export>,
     pub(crate) histories: Vec<HistoryUse>,
+    /// What the device can do with the formats asked for so far.
+    formats: Vec<(wgpu::TextureFormat, FormatCaps)>,
+    pub(crate) scratch: Scratch,
     pub(crate) errors: Vec<GraphError>,
 }
 
@@ -65,14 +86,19 @@ pub(crate) struct Resource {
     pub shape: Shape,
     /// Usage the caller asked for, in wgpu's bits of the texture or buffer.
     pub extra_usage: u32,
+    /// Usage that it can have: what an imported one was made with, or what its format allows.
+    pub allowed: u32,
+    /// What a shader can read its texels as.
+    pub sample: Option<wgpu::TextureSampleType>,
     pub latest: u32,
     pub site: Site,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Transient,
-    ImportedTexture(wgpu::Texture),
-    ImportedBuffer(wgpu::Buffer),
+    /// Index into `imports`.
+    Imported(u32),
     /// Index into `histories`.
     Current(u32),
     /// Index into `histories`, and how many frames ago (1 is the last). Whether it holds contents.
@@ -83,12 +109,18 @@ pub(crate) enum Kind {
     },
 }
 
+/// The engine's own.
+pub(crate) enum Import {
+    Texture(wgpu::Texture),
+    Buffer(wgpu::Buffer),
+}
+
 impl Resource {
     /// Whether it has contents before the first node.
     pub fn is_defined(&self) -> bool {
         matches!(
             self.kind,
-            Kind::ImportedTexture(_) | Kind::ImportedBuffer(_) | Kind::Previous { kept: true, .. }
+            Kind::Imported(_) | Kind::Previous { kept: true, .. }
         )
     }
 
@@ -97,37 +129,43 @@ impl Resource {
             Kind::Transient | Kind::Current(_) | Kind::Previous { kept: false, .. } => {
                 State::Undefined
             }
-            Kind::ImportedTexture(_) | Kind::ImportedBuffer(_) => State::External,
+            Kind::Imported(_) => State::External,
             Kind::Previous { .. } => State::Kept,
         }
     }
 
     pub fn is_imported(&self) -> bool {
-        matches!(
-            self.kind,
-            Kind::ImportedTexture(_) | Kind::ImportedBuffer(_)
-        )
+        matches!(self.kind, Kind::Imported(_))
     }
 }
 
-pub(crate) struct Node<'f> {
+pub(crate) struct Node {
     pub label: Label,
     pub site: Site,
-    pub work: Work<'f>,
+    pub work: Work,
     pub accesses: Range<u32>,
     pub binds: Range<u32>,
     pub groups: Range<u32>,
     pub side_effect: Option<&'static str>,
 }
 
-pub(crate) enum Work<'f> {
-    /// Declared, and its builder dropped before the last call; or encoded already.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Work {
+    /// Declared, and its builder dropped before the last call.
     None,
     Compute {
-        kernel: ComputeKernel,
+        /// Index into `kernels`.
+        kernel: u32,
         dispatch: Dispatch,
     },
-    Raster(Box<Raster<'f>>),
+    Raster {
+        /// Index into `kernels`.
+        kernel: u32,
+        /// The first of its `attachments`, sorted by location, depth last; and how many.
+        attachments: (u32, u32),
+        /// Index into `draws`.
+        draw: u32,
+    },
     CopyTexture,
     CopyBuffer,
     Clear([f64; 4]),
@@ -137,18 +175,34 @@ pub(crate) enum Work<'f> {
     Upload {
         offset: u64,
     },
-    Foreign(Box<ForeignWork<'f>>),
+    /// Index into `foreign`.
+    Foreign(u32),
 }
 
 pub(crate) type ForeignWork<'f> = dyn FnOnce(&mut wgpu::CommandEncoder, &crate::Resources<'_>) + 'f;
 pub(crate) type DrawWork<'f> = dyn FnOnce(&mut wgpu::RenderPass<'_>) + 'f;
 
-pub(crate) struct Raster<'f> {
-    pub kernel: RasterKernel,
-    /// Location, access, load.
-    pub colors: Vec<(u32, u32, Load<wgpu::Color>)>,
-    pub depth: Option<(u32, Load<f32>)>,
-    pub draw: Box<DrawWork<'f>>,
+/// A target of a raster node.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Attachment {
+    pub access: u32,
+    pub target: Target,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Target {
+    Color(u32, Load<wgpu::Color>),
+    Depth(Load<f32>),
+}
+
+impl Target {
+    /// `u32::MAX` for depth.
+    pub fn location(self) -> u32 {
+        match self {
+            Target::Color(location, _) => location,
+            Target::Depth(_) => u32::MAX,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -210,11 +264,13 @@ impl<'f> FrameGraph<'f> {
     pub(crate) fn new(
         pool: u32,
         caps: Arc<Caps>,
+        shared: Arc<Shared>,
         params: FrameParams,
         debug: Debug,
         states: Arc<HistoryStates>,
     ) -> Self {
         static NEXT: AtomicU32 = AtomicU32::new(1);
+        let arena = shared.lend();
         FrameGraph {
             brand: NEXT.fetch_add(1, Ordering::Relaxed),
             pool,
@@ -222,15 +278,25 @@ impl<'f> FrameGraph<'f> {
             params,
             debug,
             states,
-            resources: Vec::new(),
-            nodes: Vec::new(),
-            accesses: Vec::new(),
-            binds: Vec::new(),
-            groups: Vec::new(),
-            samplers: Vec::new(),
-            upload: Vec::new(),
-            exports: Vec::new(),
-            histories: Vec::new(),
+            shared,
+            words: arena.words,
+            resources: arena.resources,
+            nodes: arena.nodes,
+            accesses: arena.accesses,
+            binds: arena.binds,
+            groups: arena.groups,
+            samplers: arena.samplers,
+            attachments: arena.attachments,
+            kernels: arena.kernels,
+            kernel_at: arena.kernel_at,
+            imports: arena.imports,
+            draws: arena.draws,
+            foreign: arena.foreign,
+            upload: arena.upload,
+            exports: arena.exports,
+            histories: arena.histories,
+            formats: arena.formats,
+            scratch: arena.scratch,
             errors: Vec::new(),
         }
     }
@@ -246,7 +312,8 @@ impl<'f> FrameGraph<'f> {
         let site = here();
         let label = name.into();
         let shape = self.shape(&label, desc, site);
-        Texture(self.add(label, Kind::Transient, shape, desc.extra_usage.bits(), site))
+        let usage = desc.extra_usage.bits();
+        Texture(self.add(label, Kind::Transient, shape, usage, site))
     }
 
     /// A buffer of `bytes` bytes (a multiple of 4) that lives within this frame. Its first use must write it.
@@ -259,31 +326,32 @@ impl<'f> FrameGraph<'f> {
     }
 
     /// The engine's texture. It has contents; what the graph last writes to it is kept from culling.
+    /// Another texture of the same shape may come each frame, at no cost.
     #[track_caller]
     pub fn import_texture(&mut self, name: impl Into<Label>, texture: &wgpu::Texture) -> Texture {
         let shape = Shape::of(texture);
-        Texture(self.add(
-            name.into(),
-            Kind::ImportedTexture(texture.clone()),
-            shape,
-            0,
-            here(),
-        ))
+        let kind = self.import(Import::Texture(texture.clone()));
+        let raw = self.add(name.into(), kind, shape, 0, here());
+        self.resources[raw.resource as usize].allowed = texture.usage().bits();
+        Texture(raw)
     }
 
     /// The engine's buffer. It has contents; what the graph last writes to it is kept from culling.
+    /// Another buffer of the same size may come each frame, at no cost.
     #[track_caller]
     pub fn import_buffer(&mut self, name: impl Into<Label>, buffer: &wgpu::Buffer) -> Buffer {
         let shape = Shape::Buffer {
             bytes: buffer.size(),
         };
-        Buffer(self.add(
-            name.into(),
-            Kind::ImportedBuffer(buffer.clone()),
-            shape,
-            0,
-            here(),
-        ))
+        let kind = self.import(Import::Buffer(buffer.clone()));
+        let raw = self.add(name.into(), kind, shape, 0, here());
+        self.resources[raw.resource as usize].allowed = buffer.usage().bits();
+        Buffer(raw)
+    }
+
+    fn import(&mut self, import: Import) -> Kind {
+        self.imports.push(import);
+        Kind::Imported(self.imports.len() as u32 - 1)
     }
 
     /// Keeps this version from culling and makes it available as
@@ -315,6 +383,7 @@ impl<'f> FrameGraph<'f> {
             self.errors.push(error);
             return;
         }
+        self.note(Word::Export, raw.resource.into(), Some(raw.version.into()));
         self.exports.push(Export { key, raw, site });
     }
 
@@ -357,11 +426,21 @@ impl<'f> FrameGraph<'f> {
         extra_usage: u32,
         site: Site,
     ) -> Raw {
+        self.note_resource(kind, extra_usage);
+        let (allowed, sample) = match shape {
+            Shape::Texture { format, .. } => {
+                let caps = self.format_caps(format);
+                (caps.allowed, caps.sample)
+            }
+            Shape::Buffer { .. } => (u32::MAX, None),
+        };
         self.resources.push(Resource {
             label,
             kind,
             shape,
             extra_usage,
+            allowed,
+            sample,
             latest: 0,
             site,
         });
@@ -390,8 +469,26 @@ impl<'f> FrameGraph<'f> {
         self.nodes.len() as u32 - 1
     }
 
-    pub(crate) fn finish_node(&mut self, node: u32, work: Work<'f>) {
+    pub(crate) fn finish_node(&mut self, node: u32, work: Work) {
+        self.note_node(node, work);
         self.nodes[node as usize].work = work;
+    }
+
+    /// The index of a kernel among those of this graph.
+    pub(crate) fn kernel_index(&mut self, id: u64, kernel: impl FnOnce() -> Kernel) -> u32 {
+        let id = id as usize;
+        let guess = self.kernel_at.get(id).copied().unwrap_or(0);
+        let known = self.kernels.get(guess as usize);
+        if known.is_some_and(|k| k.interface().id == id as u64) {
+            return guess;
+        }
+        let index = self.kernels.len() as u32;
+        self.kernels.push(kernel());
+        if self.kernel_at.len() <= id {
+            self.kernel_at.resize(id + 1, 0);
+        }
+        self.kernel_at[id] = index;
+        index
     }
 
     /// Puts bytes into the upload arena at an offset that suits uniforms and copies.
@@ -402,5 +499,40 @@ impl<'f> FrameGraph<'f> {
         self.upload.extend_from_slice(bytes);
         self.upload.resize(self.upload.len().next_multiple_of(4), 0);
         offset as u64
+    }
+}
+
+impl Drop for FrameGraph<'_> {
+    /// The memory goes back to the pool.
+    fn drop(&mut self) {
+        fn emptied<T>(list: &mut Vec<T>) -> Vec<T> {
+            let mut list = std::mem::take(list);
+            list.clear();
+            list
+        }
+        self.shared.take_back(Arena {
+            words: emptied(&mut self.words),
+            resources: emptied(&mut self.resources),
+            nodes: emptied(&mut self.nodes),
+            accesses: emptied(&mut self.accesses),
+            binds: emptied(&mut self.binds),
+            groups: emptied(&mut self.groups),
+            samplers: emptied(&mut self.samplers),
+            attachments: emptied(&mut self.attachments),
+            kernels: emptied(&mut self.kernels),
+            kernel_at: std::mem::take(&mut self.kernel_at),
+            imports: emptied(&mut self.imports),
+            // Empty, so that nothing but the lifetime changes: the memory stays the same.
+            draws: emptied(&mut self.draws).into_iter().map(|_| None).collect(),
+            foreign: emptied(&mut self.foreign)
+                .into_iter()
+                .map(|_| None)
+                .collect(),
+            upload: emptied(&mut self.upload),
+            exports: emptied(&mut self.exports),
+            histories: emptied(&mut self.histories),
+            formats: std::mem::take(&mut self.formats),
+            scratch: std::mem::take(&mut self.scratch),
+        });
     }
 }

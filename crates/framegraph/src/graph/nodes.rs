@@ -1,39 +1,43 @@
 //! The builders of compute and raster nodes.
 
-use super::{Dispatch, FrameGraph, Raster, Shape, Work, here};
+use super::{Attachment, Dispatch, FrameGraph, Shape, Target, Work, here};
 use crate::desc::Load;
 use crate::error::{Code, GraphError, Site};
 use crate::handle::{Buffer, Label, Raw, Subresources, Texture, View};
-use crate::kernel::{ComputeKernel, RasterKernel};
+use crate::kernel::{ComputeKernel, Kernel, RasterKernel};
 use crate::state::{Mode, State};
 
 impl<'f> FrameGraph<'f> {
     /// A node that dispatches a compute kernel. Bind by the shader's names, then end with a dispatch.
     #[track_caller]
-    pub fn compute(
-        &mut self,
+    pub fn compute<'g>(
+        &'g mut self,
         name: impl Into<Label>,
-        kernel: &ComputeKernel,
-    ) -> ComputeNode<'_, 'f> {
+        kernel: &'g ComputeKernel,
+    ) -> ComputeNode<'g, 'f> {
         let node = self.begin_node(name.into(), here());
         ComputeNode {
             graph: self,
             node,
-            kernel: kernel.clone(),
+            kernel,
         }
     }
 
     /// A node that draws with a raster kernel. Bind by the shader's names, attach targets, then end with
     /// [`RasterNode::draw`].
     #[track_caller]
-    pub fn raster(&mut self, name: impl Into<Label>, kernel: &RasterKernel) -> RasterNode<'_, 'f> {
+    pub fn raster<'g>(
+        &'g mut self,
+        name: impl Into<Label>,
+        kernel: &'g RasterKernel,
+    ) -> RasterNode<'g, 'f> {
         let node = self.begin_node(name.into(), here());
+        let first = self.attachments.len();
         RasterNode {
             graph: self,
             node,
-            kernel: kernel.clone(),
-            colors: Vec::new(),
-            depth: None,
+            kernel,
+            first,
             size: None,
         }
     }
@@ -43,16 +47,16 @@ impl<'f> FrameGraph<'f> {
 pub struct ComputeNode<'g, 'f> {
     graph: &'g mut FrameGraph<'f>,
     node: u32,
-    kernel: ComputeKernel,
+    kernel: &'g ComputeKernel,
 }
 
 /// Declares one render pass with one pipeline.
 pub struct RasterNode<'g, 'f> {
     graph: &'g mut FrameGraph<'f>,
     node: u32,
-    kernel: RasterKernel,
-    colors: Vec<(u32, u32, Load<wgpu::Color>)>,
-    depth: Option<(u32, Load<f32>)>,
+    kernel: &'g RasterKernel,
+    /// Where its attachments begin among those of the graph.
+    first: usize,
     /// Size of the first attachment, and where it was attached.
     size: Option<([u32; 2], Site)>,
 }
@@ -201,14 +205,12 @@ impl ComputeNode<'_, '_> {
     }
 
     fn end(self, dispatch: Dispatch) {
-        self.graph.check_bound(&self.kernel.0.interface, self.node);
-        self.graph.finish_node(
-            self.node,
-            Work::Compute {
-                kernel: self.kernel,
-                dispatch,
-            },
-        );
+        let face = &self.kernel.0.interface;
+        self.graph.check_bound(face, self.node);
+        let kernel = || Kernel::Compute(self.kernel.clone());
+        let kernel = self.graph.kernel_index(face.id, kernel);
+        let work = Work::Compute { kernel, dispatch };
+        self.graph.finish_node(self.node, work);
     }
 }
 
@@ -225,7 +227,7 @@ impl<'f> RasterNode<'_, 'f> {
     ) -> Texture {
         let site = here();
         let wanted = self.kernel.0.targets.get(location as usize).copied();
-        let taken = self.colors.iter().any(|c| c.0 == location);
+        let taken = self.has(location);
         let Some(format) = wanted.filter(|_| !taken) else {
             let count = self.kernel.0.targets.len();
             let message = format!("attaches a colour target at location {location}");
@@ -241,23 +243,21 @@ impl<'f> RasterNode<'_, 'f> {
         } else {
             Mode::Overwrite
         };
-        match self.attach(view.into(), format, mode, State::ColorTarget, site) {
-            Ok((texture, access)) => {
-                self.colors.push((location, access, load));
-                texture
-            }
-            Err(poison) => {
-                self.colors.push((location, u32::MAX, load));
-                poison
-            }
-        }
+        let how = (mode, State::ColorTarget);
+        self.attach(
+            view.into(),
+            format,
+            how,
+            Target::Color(location, load),
+            site,
+        )
     }
 
     /// Attaches one mip and layer as the depth target. Depth is tested and written as the kernel says.
     #[track_caller]
     pub fn depth(&mut self, view: impl Into<View>, load: Load<f32>) -> Texture {
         let site = here();
-        let Some(format) = self.kernel.0.depth.filter(|_| self.depth.is_none()) else {
+        let Some(format) = self.kernel.0.depth.filter(|_| !self.has(u32::MAX)) else {
             let message = "attaches a depth target".to_string();
             return self.refuse(
                 Code::Attachment,
@@ -271,16 +271,8 @@ impl<'f> RasterNode<'_, 'f> {
         } else {
             Mode::Overwrite
         };
-        match self.attach(view.into(), format, mode, State::DepthTarget, site) {
-            Ok((texture, access)) => {
-                self.depth = Some((access, load));
-                texture
-            }
-            Err(poison) => {
-                self.depth = Some((u32::MAX, load));
-                poison
-            }
-        }
+        let how = (mode, State::DepthTarget);
+        self.attach(view.into(), format, how, Target::Depth(load), site)
     }
 
     /// Gives the work: draw calls. Pipeline and bind groups are set already.
@@ -288,12 +280,12 @@ impl<'f> RasterNode<'_, 'f> {
     pub fn draw(mut self, record: impl FnOnce(&mut wgpu::RenderPass<'_>) + 'f) {
         let site = here();
         for location in 0..self.kernel.0.targets.len() as u32 {
-            if !self.colors.iter().any(|c| c.0 == location) {
+            if !self.has(location) {
                 let message = format!("leaves colour target {location} unattached");
                 self.refuse(Code::Attachment, message, site, "attach it with `color`");
             }
         }
-        if self.kernel.0.depth.is_some() && self.depth.is_none() {
+        if self.kernel.0.depth.is_some() && !self.has(u32::MAX) {
             self.refuse(
                 Code::Attachment,
                 "leaves the depth target unattached".into(),
@@ -301,16 +293,25 @@ impl<'f> RasterNode<'_, 'f> {
                 "attach it with `depth`",
             );
         }
-        self.graph.check_bound(&self.kernel.0.interface, self.node);
-        self.colors.sort_by_key(|c| c.0);
-        let raster = Raster {
-            kernel: self.kernel,
-            colors: self.colors,
-            depth: self.depth,
-            draw: Box::new(record),
+        let face = &self.kernel.0.interface;
+        self.graph.check_bound(face, self.node);
+        let own = &mut self.graph.attachments[self.first..];
+        own.sort_unstable_by_key(|a| a.target.location());
+        let attachments = (self.first as u32, own.len() as u32);
+        self.graph.draws.push(Some(Box::new(record)));
+        let kernel = || Kernel::Raster(self.kernel.clone());
+        let work = Work::Raster {
+            kernel: self.graph.kernel_index(face.id, kernel),
+            attachments,
+            draw: self.graph.draws.len() as u32 - 1,
         };
-        self.graph
-            .finish_node(self.node, Work::Raster(Box::new(raster)));
+        self.graph.finish_node(self.node, work);
+    }
+
+    /// Whether a location is attached; `u32::MAX` is depth.
+    fn has(&self, location: u32) -> bool {
+        let own = &self.graph.attachments[self.first..];
+        own.iter().any(|a| a.target.location() == location)
     }
 
     fn refuse(
@@ -326,31 +327,45 @@ impl<'f> RasterNode<'_, 'f> {
         Texture(Raw::POISON)
     }
 
-    /// The next version and the access; poison when it was a mistake, now or before.
+    /// The next version; poison when it was a mistake, now or before.
     fn attach(
         &mut self,
         view: View,
         wanted: wgpu::TextureFormat,
-        mode: Mode,
-        state: State,
+        (mode, state): (Mode, State),
+        target: Target,
+        site: Site,
+    ) -> Texture {
+        let (texture, access) = match self.checked(view, wanted, (mode, state), site) {
+            Ok(attached) => attached,
+            // Attached all the same, so that it is not reported as missing too.
+            Err(poison) => (poison, u32::MAX),
+        };
+        self.graph.attachments.push(Attachment { access, target });
+        texture
+    }
+
+    fn checked(
+        &mut self,
+        view: View,
+        wanted: wgpu::TextureFormat,
+        (mode, state): (Mode, State),
         site: Site,
     ) -> Result<(Texture, u32), Texture> {
         let poison = Texture(Raw::POISON);
         let (resource, range) = self.graph.resolve_view(&view, site).ok_or(poison)?;
-        let (label, shape) = (
-            self.graph.resources[resource].label.clone(),
-            self.graph.resources[resource].shape,
-        );
         let Shape::Texture {
             format,
             size,
             depth,
             ..
-        } = shape
+        } = self.graph.resources[resource].shape
         else {
             return Err(poison);
         };
+        let label = |graph: &FrameGraph<'f>| graph.resources[resource].label.clone();
         if format != wanted {
+            let label = label(self.graph);
             let message =
                 format!("attaches `{label}` ({format:?}) where the kernel draws {wanted:?}");
             return Err(self.refuse(
@@ -361,6 +376,7 @@ impl<'f> RasterNode<'_, 'f> {
             ));
         }
         if range.mips != 1 || range.layers != 1 || depth > 0 {
+            let label = label(self.graph);
             let message = format!(
                 "attaches {} mips and {} layers of `{label}`",
                 range.mips, range.layers
@@ -375,6 +391,7 @@ impl<'f> RasterNode<'_, 'f> {
         let size = size.map(|x| (x >> range.mip).max(1));
         match self.size {
             Some((first, at)) if first != size => {
+                let label = label(self.graph);
                 let label_of_node = &self.graph.nodes[self.node as usize].label;
                 let error = GraphError::new(
                     Code::Attachment,

@@ -39,7 +39,7 @@ impl FrameGraph<'_> {
         Buffer(self.copy(name, from.0, to.0, Work::CopyBuffer, site))
     }
 
-    fn copy(&mut self, name: Label, from: Raw, to: Raw, work: Work<'static>, site: Site) -> Raw {
+    fn copy(&mut self, name: Label, from: Raw, to: Raw, work: Work, site: Site) -> Raw {
         let node = self.begin_node(name, site);
         self.finish_node(node, work);
         let (Some(source), Some(target)) = (self.resolve(from, site), self.resolve(to, site))

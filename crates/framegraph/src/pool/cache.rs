@@ -43,6 +43,8 @@ struct Entry<T>(T, bool);
 
 #[derive(Default)]
 pub(crate) struct Cache {
+    /// Where keys of groups are put together.
+    pub key: Vec<u64>,
     views: HashMap<(u32, u64, u64), Entry<wgpu::TextureView>, Hasher>,
     samplers: Vec<(wgpu::SamplerDescriptor<'static>, wgpu::Sampler)>,
     groups: HashMap<Vec<u64>, Entry<wgpu::BindGroup>, Hasher>,

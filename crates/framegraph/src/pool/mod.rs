@@ -7,9 +7,8 @@ mod store;
 mod timer;
 mod upload;
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, PoisonError};
 
 pub(crate) use cache::{Cache, Hasher};
 pub use memory::{ClassMemory, Memory, PlanMemory, ResourceMemory, SlotMemory, TenantMemory};
@@ -19,8 +18,10 @@ pub use timer::NodeTiming;
 pub(crate) use timer::Timer;
 pub(crate) use upload::Upload;
 
+use crate::compile::{PlanCounts, Schedule};
 use crate::desc::{Debug, FrameParams};
-use crate::graph::{Caps, FrameGraph, HistoryStates};
+use crate::encode::BoundGroups;
+use crate::graph::{Caps, FrameGraph, HistoryStates, Shared};
 use crate::handle::Label;
 use crate::{HistoryInfo, Reset};
 
@@ -38,13 +39,21 @@ pub struct Pool {
     pub(crate) queue: wgpu::Queue,
     pub(crate) caps: Arc<Caps>,
     debug: Debug,
+    /// What is lent to graphs.
+    shared: Arc<Shared>,
     pub(crate) states: Arc<HistoryStates>,
     pub(crate) store: Store,
     pub(crate) rings: Rings,
     pub(crate) cache: Cache,
     pub(crate) upload: Upload,
     pub(crate) timer: Timer,
-    pub(crate) exports: BTreeMap<Label, Physical>,
+    /// Bind groups of the plans encoded last, the last first.
+    pub(crate) bound: Vec<BoundGroups>,
+    /// The list that encoding puts the memory of resources in; empty in between.
+    pub(crate) physical: Vec<Physical>,
+    /// What graphs hold that are done with histories.
+    pub(crate) no_states: Arc<HistoryStates>,
+    pub(crate) exports: Vec<(Label, Physical)>,
     frames: u64,
 }
 
@@ -63,13 +72,17 @@ impl Pool {
                 view_formats: device.adapter_info().backend != wgpu::Backend::Gl,
             }),
             debug: Debug::default(),
+            shared: Arc::default(),
             states: Arc::default(),
             store: Store::default(),
             rings: Rings::default(),
             cache: Cache::default(),
             upload: Upload::default(),
             timer: Timer::default(),
-            exports: BTreeMap::new(),
+            bound: Vec::new(),
+            physical: Vec::new(),
+            no_states: Arc::default(),
+            exports: Vec::new(),
             frames: 0,
         }
     }
@@ -84,6 +97,7 @@ impl Pool {
         FrameGraph::new(
             self.id,
             self.caps.clone(),
+            self.shared.clone(),
             params,
             self.debug,
             self.states.clone(),
@@ -93,13 +107,18 @@ impl Pool {
     /// An exported texture of the plan encoded last; its contents are there once that is submitted,
     /// and until the next plan is encoded.
     pub fn exported_texture(&self, key: &str) -> Option<&wgpu::Texture> {
-        self.exports.get(key)?.texture()
+        self.exported(key)?.texture()
     }
 
     /// An exported buffer of the plan encoded last; its contents are there once that is submitted,
     /// and until the next plan is encoded.
     pub fn exported_buffer(&self, key: &str) -> Option<&wgpu::Buffer> {
-        self.exports.get(key)?.buffer()
+        self.exported(key)?.buffer()
+    }
+
+    fn exported(&self, key: &str) -> Option<&Physical> {
+        let found = self.exports.iter().find(|(k, _)| k == key);
+        found.map(|(_, physical)| physical)
     }
 
     /// What is known of a history; `None` before a plan with it was encoded.
@@ -121,6 +140,12 @@ impl Pool {
         }
     }
 
+    /// How often graphs found a plan that was compiled before.
+    pub fn plans(&self) -> PlanCounts {
+        let plans = self.shared.plans.lock();
+        plans.unwrap_or_else(PoisonError::into_inner).counts()
+    }
+
     /// What the pool holds.
     pub fn memory(&self) -> Memory {
         let mut memory = Memory {
@@ -138,6 +163,17 @@ impl Pool {
         self.timer.read(&self.device, &self.queue)
     }
 
+    /// The bind groups of a schedule, to be put back in front.
+    pub(crate) fn take_bound(&mut self, schedule: &Schedule) -> BoundGroups {
+        let at = self.bound.iter().position(|b| b.serial == schedule.serial);
+        let mut bound = match at {
+            Some(at) => self.bound.remove(at),
+            None => BoundGroups::new(schedule),
+        };
+        bound.used = self.frames;
+        bound
+    }
+
     /// Starts the next encode: hands all transient memory back, and now and then lets go of what
     /// was not used for a while.
     pub(crate) fn begin_encode(&mut self) {
@@ -147,6 +183,9 @@ impl Pool {
         if self.frames.is_multiple_of(KEEP) {
             self.store.sweep(KEEP);
             self.cache.sweep();
+            // They keep alive what they bind.
+            let frames = self.frames;
+            self.bound.retain(|b| b.used + KEEP >= frames);
         }
     }
 }

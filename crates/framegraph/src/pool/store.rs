@@ -46,6 +46,14 @@ impl Physical {
         }
     }
 
+    /// The number; 0 for none.
+    pub fn id(&self) -> u32 {
+        match self {
+            Physical::None => 0,
+            Physical::Texture(_, id, _) | Physical::Buffer(_, id, _) => *id,
+        }
+    }
+
     /// wgpu's bits of its usage.
     pub fn usage(&self) -> u32 {
         match self {

@@ -126,7 +126,12 @@ impl Kernels {
     }
 }
 
-pub fn produce(fg: &mut FrameGraph<'_>, k: &Kernels, name: &str, to: impl Into<View>) -> Texture {
+pub fn produce(
+    fg: &mut FrameGraph<'_>,
+    k: &Kernels,
+    name: impl Into<Label>,
+    to: impl Into<View>,
+) -> Texture {
     let mut node = fg.compute(name, &k.produce);
     let out = node.overwrite("out_value", to);
     node.dispatch_texels([64, 64]);
@@ -136,7 +141,7 @@ pub fn produce(fg: &mut FrameGraph<'_>, k: &Kernels, name: &str, to: impl Into<V
 pub fn increment(
     fg: &mut FrameGraph<'_>,
     k: &Kernels,
-    name: &str,
+    name: impl Into<Label>,
     from: impl Into<View>,
     to: impl Into<View>,
 ) -> Texture {
@@ -147,14 +152,19 @@ pub fn increment(
     out
 }
 
-pub fn bump(fg: &mut FrameGraph<'_>, k: &Kernels, name: &str, value: impl Into<View>) -> Texture {
+pub fn bump(
+    fg: &mut FrameGraph<'_>,
+    k: &Kernels,
+    name: impl Into<Label>,
+    value: impl Into<View>,
+) -> Texture {
     let mut node = fg.compute(name, &k.bump);
     let out = node.modify("value", value);
     node.dispatch_texels([64, 64]);
     out
 }
 
-pub fn look(fg: &mut FrameGraph<'_>, k: &Kernels, name: &str, from: impl Into<View>) {
+pub fn look(fg: &mut FrameGraph<'_>, k: &Kernels, name: impl Into<Label>, from: impl Into<View>) {
     let mut node = fg.compute(name, &k.look);
     node.read("input", from);
     node.side_effect("looks");

@@ -112,7 +112,7 @@ impl Pipeline {
         let import = |(input, texture): (&crate::resolve::GraphInput, &Option<wgpu::Texture>)| {
             texture
                 .as_ref()
-                .map(|texture| graph.import_texture(input.name.as_str(), texture))
+                .map(|texture| graph.import_texture(&input.name, texture))
         };
         let inputs = self
             .resolved
