@@ -35,7 +35,23 @@ impl Gpu {
         })
     }
 
-    fn import(&self, i: usize, shape: Shape) -> Real {
+    /// A buffer for what lookers see, and its bind group.
+    pub fn observed(&self, words: u64) -> (wgpu::Buffer, wgpu::BindGroup) {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let buffer = self.buffer(words, usage);
+        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &self.kernels.observed,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: buffer.as_entire_binding(),
+            }],
+        });
+        (buffer, group)
+    }
+
+    /// An import of the program, as it is before the first frame.
+    pub fn import(&self, i: usize, shape: Shape) -> Real {
         let words = imported(i, shape);
         let Shape::Texture { size, mips, layers } = shape else {
             use wgpu::BufferUsages as U;
@@ -202,18 +218,7 @@ pub fn run<'a>(
         .enumerate()
         .map(|(i, &s)| gpu.import(i, s))
         .collect();
-    let observed = gpu.buffer(
-        want.observed.len() as u64,
-        wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-    );
-    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &gpu.kernels.observed,
-        entries: &[wgpu::BindGroupEntry {
-            binding: 0,
-            resource: observed.as_entire_binding(),
-        }],
-    });
+    let (observed, group) = gpu.observed(want.observed.len() as u64);
     let exports = frames
         .iter()
         .flat_map(|f| f.exports.iter().map(|&e| f.resources[e].shape));

@@ -15,6 +15,7 @@ mod frame;
 mod kernels;
 mod model;
 mod program;
+mod record;
 mod resolve;
 
 use std::sync::LazyLock;
@@ -132,4 +133,12 @@ fn plans_hold_to_the_definitions() {
         }
         Ok(())
     });
+}
+
+/// Between the commands of a compute pass, and between copies, a barrier stands where the plan predicts one and
+/// nowhere else, as the driver sees it.
+#[test]
+fn predicted_barriers_are_those_that_wgpu_records() {
+    let name = "predicted_barriers_are_those_that_wgpu_records";
+    record::test(name, REAL.as_ref());
 }
