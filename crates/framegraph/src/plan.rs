@@ -80,8 +80,10 @@ pub struct Transition {
     pub before: State,
     /// What the step uses it as.
     pub after: State,
-    /// Whether wgpu is expected to place a barrier here. Where the state before is not known to the
-    /// graph (undefined, external, kept, foreign) this is false.
+    /// Whether wgpu is expected to place a barrier in front of the step. A transient's first use has one where its
+    /// slot had another tenant. What wgpu settles when the encoder is submitted, because this is the first use in
+    /// it, is not counted, nor what a foreign node finds or leaves. Where a node uses a range twice, each use has a
+    /// transition from the state before the node, and the first has the barrier, for both.
     pub barrier: bool,
 }
 

@@ -57,29 +57,18 @@ pub enum State {
 }
 
 impl State {
-    /// Whether the state before is known to the graph.
-    fn is_known(self) -> bool {
-        !matches!(
-            self,
-            State::Undefined | State::External | State::Kept | State::Foreign
-        )
-    }
-
-    fn is_inclusive(self) -> bool {
-        matches!(
-            self,
-            State::Sampled
-                | State::StorageRead
-                | State::CopySource
-                | State::Uniform
-                | State::Indirect
-        )
+    /// As wgpu tracks it.
+    pub(crate) fn uses(self) -> Uses {
+        match self {
+            State::Undefined | State::External | State::Kept | State::Foreign => Uses(0),
+            known => Uses(1 << known as u16),
+        }
     }
 
     /// Whether wgpu will place a barrier between two known states: they differ, or an exclusive
     /// state follows itself (attachments too, as on Vulkan).
     pub fn needs_barrier(before: State, after: State) -> bool {
-        before.is_known() && after.is_known() && (before != after || !after.is_inclusive())
+        before.uses().barrier(after.uses())
     }
 
     pub(crate) fn texture_usage(self) -> wgpu::TextureUsages {
@@ -106,6 +95,33 @@ impl State {
             State::CopyTarget => U::COPY_DST,
             _ => U::empty(),
         }
+    }
+}
+
+/// A bit for each state that a node puts something in; none where what it does is not known to the graph.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Uses(u16);
+
+impl Uses {
+    /// What only reads: wgpu places no barrier between two uses that are the same and only this.
+    const INCLUSIVE: u16 = 1 << State::Sampled as u16
+        | 1 << State::StorageRead as u16
+        | 1 << State::CopySource as u16
+        | 1 << State::Uniform as u16
+        | 1 << State::Indirect as u16;
+
+    /// Whether wgpu places a barrier between the two.
+    pub fn barrier(self, after: Uses) -> bool {
+        let known = self.0 != 0 && after.0 != 0;
+        known && (self.0 != after.0 || after.0 & !Uses::INCLUSIVE != 0)
+    }
+}
+
+impl std::ops::BitOr for Uses {
+    type Output = Uses;
+
+    fn bitor(self, other: Uses) -> Uses {
+        Uses(self.0 | other.0)
     }
 }
 

@@ -55,7 +55,7 @@ fn work_between_that_both_sides_touch() {
         end
         copy copy
           b: storage-write -> copy-source, barrier
-          c: undefined -> copy-target
+          c: undefined -> copy-target, barrier
         compute, apart: `bump` waits for copy `copy`, which waits for `increment`
           dispatch bump 8x8x1
             c: copy-target -> storage-read-write, barrier

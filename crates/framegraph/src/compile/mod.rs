@@ -1,4 +1,4 @@
-//! From declaration to schedule: contents -> culling -> hazards -> order -> steps -> usage -> slots.
+//! From declaration to schedule: contents -> culling -> hazards -> order -> usage -> slots -> steps.
 //! Everything is flat arrays indexed by u32, and every stage is linear in accesses. What was compiled
 //! before is found again by what decides it.
 
@@ -10,6 +10,7 @@ mod order;
 mod plans;
 mod schedule;
 mod slots;
+mod states;
 mod steps;
 mod table;
 mod usage;
@@ -41,7 +42,7 @@ pub(crate) struct Scratch {
     needed: cull::Needed,
     hazards: hazards::Lists,
     order: order::Lists,
-    states: Vec<crate::state::State>,
+    states: states::States,
 }
 
 impl<'f> FrameGraph<'f> {
@@ -97,10 +98,10 @@ impl<'f> FrameGraph<'f> {
         cull::cull(self, table, contents, needed, s);
         hazards.edges(self, table, s);
         order.order(self, s);
-        steps::steps(self, table, states, s);
         usage::usage(self, s);
         usage::rings(self, s);
         s.slots = slots::slots(self, &s.order, &s.usage);
+        steps::steps(self, table, states, s);
         notices::whole(self, table, contents, &needed.wanted, s);
         Ok(lock(&self.shared.plans).keep(self, room))
     }

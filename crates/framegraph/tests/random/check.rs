@@ -1,10 +1,11 @@
 //! The checker: what a plan must be, from the definitions alone, in O(n^2) and with no code of the compiler.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use framegraph::{Debug, Edge, Hazard, Plan, State, StepKind};
 
 use crate::frame::{Frame, Job, Role, Shape, Touched, Use, writer};
+use crate::tracker::Tracker;
 
 /// Fails with the plan when something does not hold.
 macro_rules! ensure {
@@ -283,15 +284,11 @@ fn check_steps(frame: &Frame, plan: &Plan<'_>, debug: Debug) -> Result<(), Strin
     Ok(())
 }
 
-/// Each step lists each place that its node touches once, with the state that the place really was in, the
-/// one that its use puts it in, and whether wgpu places a barrier between the two.
+/// Each step lists each place that its node touches, once for each use, with the state that the place really was
+/// in before, the one that the use puts it in, and the first time whether wgpu places a barrier between the two.
 fn check_transitions(frame: &Frame, plan: &Plan<'_>) -> Result<(), String> {
-    let names: HashMap<&str, usize> = frame
-        .resources
-        .iter()
-        .enumerate()
-        .map(|(i, r)| (&*r.name, i))
-        .collect();
+    let named = |name: &str| frame.resources.iter().position(|r| r.name == name);
+    let mut tracker = Tracker::new(frame, plan);
     let mut order = plan.order().iter().map(|&n| &frame.nodes[n as usize]);
     let mut states: HashMap<usize, State> = HashMap::new();
     for (i, r) in frame.resources.iter().enumerate() {
@@ -314,13 +311,17 @@ fn check_transitions(frame: &Frame, plan: &Plan<'_>) -> Result<(), String> {
         let Some(node) = order.next() else {
             return Err(format!("{name} is not in the order"));
         };
-        let mut left: HashMap<usize, State> = HashMap::new();
+        // What is to be listed: places with the state that a use puts them in.
+        let mut left: Vec<(usize, State)> = Vec::new();
         for u in &node.uses {
             left.extend(frame.places(u).into_iter().map(|p| (p, u.state)));
         }
-        let mut changed = HashMap::new();
+        let (uses, mut listed) = (left.clone(), HashSet::new());
+        let barriers = tracker.step(&uses);
         for t in transitions {
-            let resource = names[plan.resource_name(t)];
+            let Some(resource) = named(plan.resource_name(t)) else {
+                return Err(format!("{} is no resource", plan.resource_name(t)));
+            };
             let of = Use {
                 resource,
                 range: t.range,
@@ -328,32 +329,26 @@ fn check_transitions(frame: &Frame, plan: &Plan<'_>) -> Result<(), String> {
                 state: t.after,
             };
             for place in frame.places(&of) {
-                let (was, listed) = (states[&place], changed.insert(place, t.after).is_some());
-                // One node may read one place twice in the same state.
+                let Some(i) = left.iter().position(|l| *l == (place, t.after)) else {
+                    return Err(format!("{name} changes too much to {}\n{plan}", t.after));
+                };
+                left.swap_remove(i);
+                let was = states[&place];
                 ensure!(
-                    listed || t.before == was,
+                    t.before == was,
                     "{name} finds {was}, not {}\n{plan}",
                     t.before
                 );
+                let barrier = listed.insert(place) && barriers.contains(&place);
                 ensure!(
-                    left.get(&place) == Some(&t.after),
-                    "{name} changes to {}\n{plan}",
-                    t.after
-                );
-                let is_texture = matches!(frame.resources[resource].shape, Shape::Texture { .. });
-                let expected = !listed && barrier(is_texture, was, t.after);
-                ensure!(
-                    listed || t.barrier == expected,
+                    t.barrier == barrier,
                     "{name}: barrier of {was} -> {}\n{plan}",
                     t.after
                 );
             }
         }
-        ensure!(
-            changed.len() == left.len(),
-            "{name} lists not all it touches\n{plan}"
-        );
-        states.extend(changed);
+        ensure!(left.is_empty(), "{name} lists not all it touches\n{plan}");
+        states.extend(uses);
     }
     Ok(())
 }
@@ -442,50 +437,4 @@ fn bytes(shape: Shape) -> u64 {
     (0..mips)
         .map(|mip| 4 * texels(mip) * u64::from(layers))
         .sum()
-}
-
-/// Whether wgpu-core 30 places a barrier between two uses in one encoder on Vulkan: `skip_barrier` in
-/// `track/mod.rs` of wgpu-core with the masks of `Adapter::get_ordered_buffer_usages` and
-/// `get_ordered_texture_usages` in `vulkan/adapter.rs` of wgpu-hal. What a place was used as before the encoder
-/// is settled when it is submitted, and what foreign code does is not known to the plan: neither is predicted.
-pub fn barrier(is_texture: bool, before: State, after: State) -> bool {
-    match is_texture {
-        true => match (texture_use(before), texture_use(after)) {
-            (Some(a), Some(b)) => a != b || !wgpu::TextureUses::INCLUSIVE.contains(a),
-            _ => false,
-        },
-        false => match (buffer_use(before), buffer_use(after)) {
-            (Some(a), Some(b)) => {
-                a != b || !(wgpu::BufferUses::INCLUSIVE | wgpu::BufferUses::MAP_WRITE).contains(a)
-            }
-            _ => false,
-        },
-    }
-}
-
-fn texture_use(state: State) -> Option<wgpu::TextureUses> {
-    use wgpu::TextureUses as U;
-    Some(match state {
-        State::Sampled => U::RESOURCE,
-        State::StorageRead => U::STORAGE_READ_ONLY,
-        State::StorageWrite => U::STORAGE_WRITE_ONLY,
-        State::StorageReadWrite => U::STORAGE_READ_WRITE,
-        State::ColorTarget => U::COLOR_TARGET,
-        State::CopySource => U::COPY_SRC,
-        State::CopyTarget => U::COPY_DST,
-        _ => return None,
-    })
-}
-
-fn buffer_use(state: State) -> Option<wgpu::BufferUses> {
-    use wgpu::BufferUses as U;
-    Some(match state {
-        State::StorageRead => U::STORAGE_READ_ONLY,
-        State::StorageReadWrite => U::STORAGE_READ_WRITE,
-        State::Uniform => U::UNIFORM,
-        State::Indirect => U::INDIRECT,
-        State::CopySource => U::COPY_SRC,
-        State::CopyTarget => U::COPY_DST,
-        _ => return None,
-    })
 }

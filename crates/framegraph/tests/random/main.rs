@@ -17,6 +17,7 @@ mod model;
 mod program;
 mod record;
 mod resolve;
+mod tracker;
 
 use std::sync::LazyLock;
 

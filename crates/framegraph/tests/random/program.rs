@@ -80,6 +80,9 @@ pub struct Script {
     pub exports: u32,
     /// Bit i: history i is not written unless an op does.
     pub unwritten: u32,
+    /// How many transients an op can reach, with later ones in reach of later ops, so that lives are short;
+    /// 0 is all.
+    pub window: usize,
 }
 
 /// One frame: its size, its script, and whether a history is reset before it.
@@ -113,14 +116,14 @@ fn origin() -> impl Strategy<Value = Origin> {
 
 fn size() -> impl Strategy<Value = SizeSpec> {
     prop_oneof![
-        3 => Just(SizeSpec::Frame),
+        6 => Just(SizeSpec::Frame),
         1 => Just(SizeSpec::Half),
         2 => [1..=5u32, 1..=5u32].prop_map(SizeSpec::Absolute),
     ]
 }
 
 fn texture() -> impl Strategy<Value = TextureSpec> {
-    let count = || prop_oneof![3 => Just(1u32), 1 => 2..=3u32];
+    let count = || prop_oneof![4 => Just(1u32), 1 => 2..=3u32];
     (origin(), size(), count(), count()).prop_map(|(origin, size, mips, layers)| TextureSpec {
         origin,
         size,
@@ -155,14 +158,19 @@ fn script() -> impl Strategy<Value = Script> {
     // Mostly short, because a short failure is the one to read; some of 200.
     let length = prop_oneof![12 => 1..24usize, 5 => 24..80usize, 1 => 80..=200usize];
     let ops = length.prop_flat_map(|n| prop::collection::vec(op(), 1..=n));
-    (ops, any::<u32>(), any::<u32>()).prop_map(|(ops, exports, unwritten)| Script {
-        ops,
-        exports,
-        unwritten,
+    let window = prop_oneof![Just(0usize), 2..5usize];
+    (ops, any::<[u32; 2]>(), any::<u32>(), window).prop_map(|(ops, exports, unwritten, window)| {
+        Script {
+            ops,
+            // One in four.
+            exports: exports[0] & exports[1],
+            unwritten,
+            window,
+        }
     })
 }
 
-/// Programs of one to four frames of at most 200 nodes that were asked for.
+/// Programs of one to five frames of at most 200 nodes that were asked for.
 pub fn program() -> impl Strategy<Value = Program> {
     let frame = (
         prop_oneof![3 => Just([4, 4]), 1 => [1..=6u32, 1..=6u32]],
@@ -175,10 +183,10 @@ pub fn program() -> impl Strategy<Value = Program> {
         reset,
     });
     (
-        prop::collection::vec(texture(), 1..6),
-        prop::collection::vec(buffer(), 1..5),
+        prop::collection::vec(texture(), 1..12),
+        prop::collection::vec(buffer(), 1..8),
         prop::collection::vec(script(), 1..=2),
-        prop::collection::vec(frame, 1..=4),
+        prop::collection::vec(frame, 1..=5),
     )
         .prop_map(|(textures, buffers, scripts, frames)| Program {
             textures,

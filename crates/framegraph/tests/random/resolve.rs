@@ -18,6 +18,8 @@ struct Resolver {
     /// Buffers that hold arguments of an indirect dispatch.
     arguments: Vec<bool>,
     observed: u32,
+    /// The transients in reach.
+    reach: std::ops::Range<usize>,
 }
 
 /// Frame `number` of the program, given what its histories hold; lookers count on from `observed`.
@@ -38,10 +40,12 @@ pub fn resolve(program: &Program, number: usize, rings: &Rings, observed: u32) -
         defined: Vec::new(),
         arguments: Vec::new(),
         observed,
+        reach: 0..usize::MAX,
     };
     r.declare(program, rings);
     r.frame.reset = reset_of(program, number).map(|h| r.frame.histories[h].key.clone());
-    for op in &script.ops {
+    for (i, op) in script.ops.iter().enumerate() {
+        r.slide(script.window, i, script.ops.len());
         r.op(op);
     }
     r.finish_histories(script.unwritten);
@@ -273,7 +277,14 @@ impl Resolver {
         ranges: impl Fn(Shape) -> Vec<Subresources>,
     ) -> Option<Use> {
         let mut found = Vec::new();
+        let mut transients = 0;
         for (resource, r) in self.frame.resources.iter().enumerate() {
+            if r.role == Role::Transient {
+                transients += 1;
+                if !self.reach.contains(&(transients - 1)) {
+                    continue;
+                }
+            }
             if mode != Mode::Read && matches!(r.role, Role::Previous { .. }) {
                 continue;
             }
@@ -281,7 +292,7 @@ impl Resolver {
                 let clash = uses.iter().any(|u| {
                     u.resource == resource
                         && overlap(&u.range, &range)
-                        && (u.writes() || mode != Mode::Read || u.state != state)
+                        && (u.writes() || mode != Mode::Read)
                 });
                 if !clash && (mode == Mode::Overwrite || self.is_defined(resource, range)) {
                     found.push(Use {
@@ -327,6 +338,21 @@ impl Resolver {
             uses.push(self.output(output, picks.next()?, &uses)?);
         }
         Some(uses)
+    }
+
+    /// Puts the transients in reach of op `i` of `count`.
+    fn slide(&mut self, window: usize, i: usize, count: usize) {
+        let is_transient = |r: &Resource| r.role == Role::Transient;
+        let transients = self
+            .frame
+            .resources
+            .iter()
+            .filter(|r| is_transient(r))
+            .count();
+        let start = i * (transients + 1).saturating_sub(window) / count;
+        if window > 0 {
+            self.reach = start..start + window;
+        }
     }
 
     /// Declares the op, unless nothing is legal for it.
