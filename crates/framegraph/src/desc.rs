@@ -202,24 +202,3 @@ pub enum Load<T = wgpu::Color> {
     /// What was there.
     Load,
 }
-
-/// Levers for looking at a graph and for finding faults. All off costs nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Debug {
-    /// Measure the GPU time of each node: [`Pool::timings`](crate::Pool::timings). Needs `TIMESTAMP_QUERY`;
-    /// without `TIMESTAMP_QUERY_INSIDE_PASSES` each dispatch then gets a compute pass of its own.
-    pub timestamps: bool,
-    /// Keep every node, also those whose results nobody needs.
-    pub no_cull: bool,
-    /// Give every dispatch a compute pass of its own.
-    pub no_group: bool,
-    /// Give every transient memory of its own, so that none holds what another left.
-    pub no_reuse: bool,
-    /// Compile every graph anew, also when one was declared alike before.
-    pub no_cache: bool,
-    /// Name each dispatch inside its compute pass for graphics debuggers.
-    pub labels: bool,
-    /// Fill every transient texture that can be a render target before the first node of the frame
-    /// (NaN where the format is floating point, 1 elsewhere), so that reliance on stale content shows.
-    pub clobber: bool,
-}

@@ -89,6 +89,8 @@ codes! {
     NoTimestamps = "FG104",
     /// Warning: dispatches that could share a compute pass do not, because they are measured.
     SplitToMeasure = "FG105",
+    /// Warning: something to capture is not there.
+    Capture = "FG106",
 }
 
 impl fmt::Display for Code {

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod compile;
+mod debug;
 mod desc;
 mod encode;
 mod error;
@@ -14,8 +15,9 @@ mod reflect;
 mod state;
 
 pub use compile::{Edge, Hazard, PlanCounts};
+pub use debug::{Capture, CaptureWhen, Debug, DebugError};
 pub use desc::{
-    Debug, First, FirstBuffer, FrameParams, HistoryBuffer, HistoryTexture, Load, Previous, Size,
+    First, FirstBuffer, FrameParams, HistoryBuffer, HistoryTexture, Load, Previous, Size,
     TextureDesc,
 };
 pub use encode::Resources;
@@ -25,7 +27,8 @@ pub use handle::{Buffer, Label, Subresources, Texture, View};
 pub use kernel::{ComputeKernel, KernelDesc, KernelError, RasterKernel, RasterKernelDesc};
 pub use plan::{Plan, Step, StepKind, Transition};
 pub use pool::{
-    ClassMemory, Memory, NodeTiming, PlanMemory, Pool, ResourceMemory, SlotMemory, TenantMemory,
+    CaptureError, Captured, CapturedPart, ClassMemory, Memory, NodeTiming, PlanMemory, Pool,
+    ResourceMemory, SlotMemory, TenantMemory,
 };
 pub use reasons::Reason;
 pub use reflect::{

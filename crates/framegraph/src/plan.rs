@@ -141,7 +141,8 @@ impl Plan<'_> {
     pub fn warnings(&self) -> &[Warning] {
         self.warnings.get_or_init(|| {
             let notices = self.schedule.notices.iter();
-            notices.map(|n| n.warning(&self.graph)).collect()
+            let notices = notices.map(|n| n.warning(&self.graph));
+            notices.chain(self.marks().1).collect()
         })
     }
 }

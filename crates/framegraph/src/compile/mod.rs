@@ -5,6 +5,7 @@
 mod contents;
 mod cull;
 mod hazards;
+mod marks;
 mod notices;
 mod order;
 mod plans;
@@ -16,6 +17,7 @@ mod table;
 mod usage;
 
 pub use hazards::{Edge, Hazard};
+pub(crate) use marks::Marks;
 pub(crate) use notices::Notice;
 pub use plans::PlanCounts;
 pub(crate) use plans::Plans;

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use super::Schedule;
-use crate::desc::Debug;
+use crate::debug::Debug;
 use crate::graph::{FrameGraph, Shape};
 
 /// Plans that a pool keeps.
@@ -85,7 +85,7 @@ impl Plans {
     }
 
     pub fn keep(&mut self, graph: &FrameGraph<'_>, mut plan: Kept) -> Arc<Schedule> {
-        plan.debug = graph.debug;
+        plan.debug.clone_from(&graph.debug);
         plan.words.clone_from(&graph.words);
         plan.shapes.clear();
         plan.shapes.extend(graph.resources.iter().map(|r| r.shape));

@@ -27,8 +27,8 @@ pub(super) fn usage(graph: &FrameGraph<'_>, s: &mut Schedule) {
     for (usage, r) in usage.iter_mut().zip(&graph.resources) {
         let Some(usage) = usage else { continue };
         *usage |= r.extra_usage;
-        if graph.debug.clobber && matches!(r.kind, Kind::Transient) {
-            *usage |= clobber_usage(graph, &r.shape);
+        if graph.debug.clobber && matches!(r.kind, Kind::Transient | Kind::Current(_)) {
+            *usage |= clobber_usage(&r.shape);
         }
     }
 }
@@ -56,13 +56,12 @@ fn exported_usage(shape: &Shape) -> u32 {
     }
 }
 
-/// Being a target, where the format certainly can be one.
-fn clobber_usage(graph: &FrameGraph<'_>, shape: &Shape) -> u32 {
-    let Shape::Texture { format, .. } = shape else {
-        return 0;
-    };
-    let can = format
-        .guaranteed_format_features(graph.caps.features)
-        .allowed_usages;
-    (can & wgpu::TextureUsages::RENDER_ATTACHMENT).bits()
+/// Depth and stencil are clobbered by clears, all else by copies, which every resource allows.
+fn clobber_usage(shape: &Shape) -> u32 {
+    match shape {
+        Shape::Texture { format, .. } if format.is_depth_stencil_format() => {
+            wgpu::TextureUsages::RENDER_ATTACHMENT.bits()
+        }
+        _ => 0,
+    }
 }

@@ -1,6 +1,7 @@
 //! Recording a plan: real memory for each resource, then the steps in order.
 
 mod bind;
+mod debug;
 mod passes;
 
 use std::sync::Arc;
@@ -143,25 +144,28 @@ impl<'f> Plan<'f> {
             &pool.device,
             if timed { self.schedule.order.len() } else { 0 },
         );
-        if self.graph.debug.clobber {
-            self.clobber(encoder, pool, physical);
-        }
         let schedule = self.schedule.clone();
         let steps = &schedule.steps;
-        let mut at = 0;
+        let (marks, _) = self.marks();
+        // The next step, and how many nodes have run.
+        let (mut at, mut ran) = (0, 0);
+        self.capture(encoder, pool, physical, (&marks, ran));
         while let Some(step) = steps.get(at) {
-            at += 1;
+            if matches!(step.kind, StepKind::BeginCompute | StepKind::EndCompute) {
+                at += 1;
+                continue;
+            }
+            self.clobber(encoder, pool, physical, (&marks, ran));
             let node = step.node as usize;
+            let mut count = 1;
             match step.kind {
-                StepKind::BeginCompute => {
-                    let count = steps[at..]
-                        .iter()
-                        .take_while(|s| s.kind == StepKind::Dispatch)
-                        .count();
-                    self.compute_pass(encoder, pool, physical, &steps[at..at + count], bound);
-                    at += count;
+                StepKind::Dispatch => {
+                    let dispatches = steps[at..].iter().map(|s| s.kind);
+                    let grouped = dispatches.take_while(|k| *k == StepKind::Dispatch).count();
+                    count = marks.together(ran, grouped as u32);
+                    let together = &steps[at..at + count as usize];
+                    self.compute_pass(encoder, pool, physical, together, bound);
                 }
-                StepKind::Dispatch | StepKind::EndCompute => {}
                 StepKind::Raster => self.render_pass(encoder, pool, physical, node, bound),
                 _ => {
                     let queries = if timed {
@@ -178,6 +182,9 @@ impl<'f> Plan<'f> {
                     }
                 }
             }
+            at += count as usize;
+            ran += count;
+            self.capture(encoder, pool, physical, (&marks, ran));
         }
         pool.timer.end(&pool.device, encoder);
     }

@@ -2,7 +2,7 @@
 
 use super::BoundGroups;
 use crate::desc::Load;
-use crate::graph::{Dispatch, Kind, Shape, Target, Work};
+use crate::graph::{Dispatch, Target, Work};
 use crate::handle::Subresources;
 use crate::kernel::Kernel;
 use crate::plan::{Plan, Step};
@@ -22,7 +22,7 @@ impl Plan<'_> {
         bound: &mut BoundGroups,
     ) {
         let features = pool.caps.features;
-        let debug = self.graph.debug;
+        let debug = &self.graph.debug;
         let timed = debug.timestamps && features.contains(wgpu::Features::TIMESTAMP_QUERY);
         let inside = features.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES);
         // Where a pass can only be timed as a whole, it holds one dispatch.
@@ -197,9 +197,11 @@ impl Plan<'_> {
         range: Subresources,
         value: [f64; 4],
     ) {
-        let depth = physical
-            .texture()
-            .is_some_and(|t| t.format().has_depth_aspect());
+        let has = |aspect: fn(&wgpu::TextureFormat) -> bool| {
+            physical.texture().is_some_and(|t| aspect(&t.format()))
+        };
+        let depth = has(wgpu::TextureFormat::has_depth_aspect);
+        let stencil = has(wgpu::TextureFormat::has_stencil_aspect);
         for mip in range.mip..range.mip + range.mips {
             for layer in range.layer..range.layer + range.layers {
                 let one = Subresources {
@@ -220,63 +222,17 @@ impl Plan<'_> {
                 })];
                 encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                     label: Some("clear"),
-                    color_attachments: if depth { &[] } else { &color },
-                    depth_stencil_attachment: depth.then(|| {
+                    color_attachments: if depth || stencil { &[] } else { &color },
+                    depth_stencil_attachment: (depth || stencil).then(|| {
                         wgpu::RenderPassDepthStencilAttachment {
                             view: &view,
-                            depth_ops: Some(operations(Load::Clear(r as f32))),
-                            stencil_ops: None,
+                            depth_ops: depth.then(|| operations(Load::Clear(r as f32))),
+                            stencil_ops: stencil.then(|| operations(Load::Clear(g as u32))),
                         }
                     }),
                     ..Default::default()
                 });
             }
-        }
-    }
-
-    /// Fills the transient textures that can be targets with a pattern.
-    pub(super) fn clobber(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        pool: &mut Pool,
-        physical: &[Physical],
-    ) {
-        for (r, physical) in self.graph.resources.iter().zip(physical) {
-            let Shape::Texture {
-                format,
-                mips,
-                layers,
-                ..
-            } = r.shape
-            else {
-                continue;
-            };
-            let target = physical.usage() & wgpu::TextureUsages::RENDER_ATTACHMENT.bits() != 0;
-            if !matches!(r.kind, Kind::Transient) || !target {
-                continue;
-            }
-            use wgpu::TextureFormat as F;
-            let float = matches!(
-                format,
-                F::R16Float
-                    | F::Rg16Float
-                    | F::Rgba16Float
-                    | F::R32Float
-                    | F::Rg32Float
-                    | F::Rgba32Float
-            );
-            let value = if float { f64::NAN } else { 1.0 };
-            self.clear(
-                encoder,
-                pool,
-                physical,
-                Subresources {
-                    mips,
-                    layers,
-                    ..Subresources::ONE
-                },
-                [value; 4],
-            );
         }
     }
 }

@@ -26,7 +26,8 @@ pub(crate) use history::{HistoryStates, HistoryUse, RingState, Shape, age_label}
 use key::Word;
 
 use crate::compile::Scratch;
-use crate::desc::{Debug, FrameParams, Load, TextureDesc};
+use crate::debug::Debug;
+use crate::desc::{FrameParams, Load, TextureDesc};
 use crate::error::{Code, GraphError, Site};
 use crate::handle::{Buffer, Label, Raw, Subresources, Texture};
 use crate::kernel::Kernel;

@@ -63,7 +63,8 @@ impl FrameGraph<'_> {
     }
 
     /// Sets every texel of every mip and layer to `value` and returns the next version. Integer formats
-    /// take the value's integer part; depth formats its first component.
+    /// take the value's integer part; of formats with depth and stencil, depth takes the first component and
+    /// stencil the second.
     #[track_caller]
     pub fn clear_texture(
         &mut self,
@@ -98,7 +99,7 @@ impl FrameGraph<'_> {
             let message = format!("`{label}` is three-dimensional and cannot be cleared");
             self.fail(Code::Dimension, message, site, "write it with a kernel");
         }
-        let state = if format.has_depth_aspect() {
+        let state = if format.is_depth_stencil_format() {
             State::DepthTarget
         } else {
             State::ColorTarget

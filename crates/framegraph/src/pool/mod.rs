@@ -1,7 +1,9 @@
 //! What survives frames: textures, buffers, histories, views, samplers, bind groups.
 
 mod cache;
+mod capture;
 mod memory;
+mod pattern;
 mod rings;
 mod store;
 mod timer;
@@ -11,7 +13,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, PoisonError};
 
 pub(crate) use cache::{Cache, Hasher};
+pub use capture::{CaptureError, Captured, CapturedPart};
+pub(crate) use capture::{Captures, copyable};
 pub use memory::{ClassMemory, Memory, PlanMemory, ResourceMemory, SlotMemory, TenantMemory};
+pub(crate) use pattern::Patterns;
 pub(crate) use rings::{Rings, copy};
 pub(crate) use store::{Physical, Store, bytes};
 pub use timer::NodeTiming;
@@ -19,7 +24,8 @@ pub(crate) use timer::Timer;
 pub(crate) use upload::Upload;
 
 use crate::compile::{PlanCounts, Schedule};
-use crate::desc::{Debug, FrameParams};
+use crate::debug::Debug;
+use crate::desc::FrameParams;
 use crate::encode::BoundGroups;
 use crate::graph::{Caps, FrameGraph, HistoryStates, Shared};
 use crate::handle::Label;
@@ -47,6 +53,8 @@ pub struct Pool {
     pub(crate) cache: Cache,
     pub(crate) upload: Upload,
     pub(crate) timer: Timer,
+    pub(crate) patterns: Patterns,
+    pub(crate) captures: Captures,
     /// Bind groups of the plans encoded last, the last first.
     pub(crate) bound: Vec<BoundGroups>,
     /// The list that encoding puts the memory of resources in; empty in between.
@@ -79,6 +87,8 @@ impl Pool {
             cache: Cache::default(),
             upload: Upload::default(),
             timer: Timer::default(),
+            patterns: Patterns::default(),
+            captures: Captures::default(),
             bound: Vec::new(),
             physical: Vec::new(),
             no_states: Arc::default(),
@@ -99,7 +109,7 @@ impl Pool {
             self.caps.clone(),
             self.shared.clone(),
             params,
-            self.debug,
+            self.debug.clone(),
             self.states.clone(),
         )
     }
@@ -163,6 +173,16 @@ impl Pool {
         self.timer.read(&self.device, &self.queue)
     }
 
+    /// What [`Debug::capture`] asked for, of the plan encoded last, in the order in which it was taken. Call
+    /// it after the submission, once: it waits for the GPU. What could not be captured is among the
+    /// plan's warnings.
+    ///
+    /// # Errors
+    /// When the device is lost.
+    pub fn captured(&mut self) -> Result<Vec<Captured>, CaptureError> {
+        self.captures.read(&self.device)
+    }
+
     /// The bind groups of a schedule, to be put back in front.
     pub(crate) fn take_bound(&mut self, schedule: &Schedule) -> BoundGroups {
         let at = self.bound.iter().position(|b| b.serial == schedule.serial);
@@ -178,6 +198,7 @@ impl Pool {
     /// was not used for a while.
     pub(crate) fn begin_encode(&mut self) {
         self.exports.clear();
+        self.captures.begin();
         self.store.begin();
         self.frames += 1;
         if self.frames.is_multiple_of(KEEP) {

@@ -70,7 +70,7 @@ pub fn needed(frame: &Frame, touched: &[Touched]) -> Vec<bool> {
 }
 
 /// Everything that holds of every plan of this frame.
-pub fn check(frame: &Frame, plan: &Plan<'_>, debug: Debug) -> Result<(), String> {
+pub fn check(frame: &Frame, plan: &Plan<'_>, debug: &Debug) -> Result<(), String> {
     let touched = frame.touched();
     let live = match debug.no_cull {
         true => vec![true; frame.nodes.len()],
@@ -239,7 +239,7 @@ fn kind(job: Job) -> StepKind {
 }
 
 /// The steps are the order; a compute pass holds dispatches only, and as many as follow each other.
-fn check_steps(frame: &Frame, plan: &Plan<'_>, debug: Debug) -> Result<(), String> {
+fn check_steps(frame: &Frame, plan: &Plan<'_>, debug: &Debug) -> Result<(), String> {
     let mut order = plan.order().iter().map(|&n| &frame.nodes[n as usize]);
     let mut inside = None;
     let mut before = None;
@@ -356,7 +356,7 @@ fn check_transitions(frame: &Frame, plan: &Plan<'_>) -> Result<(), String> {
 /// A transient lives from the first to the last node that touches it, or to the end where it is exported, and
 /// has a slot for that long; no two that live at once have one. In each class there are as many slots as
 /// transients that live at once.
-fn check_slots(frame: &Frame, plan: &Plan<'_>, debug: Debug) -> Result<(), String> {
+fn check_slots(frame: &Frame, plan: &Plan<'_>, debug: &Debug) -> Result<(), String> {
     let memory = plan.memory();
     let mut lives = HashMap::new();
     for (at, &n) in plan.order().iter().enumerate() {

@@ -210,7 +210,7 @@ pub fn run<'a>(
     frames: &'a [Frame],
     want: &Outcome,
     shapes: &[Shape],
-    debug: Debug,
+    debug: &Debug,
     submit_each: bool,
 ) -> Result<Run<'a>, String> {
     let imports: Vec<Real> = shapes
@@ -239,7 +239,7 @@ pub fn run<'a>(
         observed: &group,
     };
     let mut pool = Pool::new(&gpu.device, &gpu.queue);
-    *pool.debug() = debug;
+    *pool.debug() = debug.clone();
     let new = || gpu.device.create_command_encoder(&Default::default());
     let mut encoder = new();
     for frame in frames {

@@ -74,17 +74,17 @@ fn ways() -> [(Debug, bool); 4] {
     let off = Debug::default();
     let clobber = Debug {
         clobber: true,
-        ..off
+        ..off.clone()
     };
     let no_cull = Debug {
         no_cull: true,
-        ..clobber
+        ..clobber.clone()
     };
     let apart = Debug {
         no_group: true,
         no_reuse: true,
         labels: true,
-        ..off
+        ..off.clone()
     };
     [
         (off, false),
@@ -105,10 +105,8 @@ fn plans_compute_what_their_nodes_say_in_call_order() {
         let shapes = imports(program);
         let mut runs = Vec::new();
         for (debug, submit_each) in ways() {
-            runs.push((
-                debug,
-                run(gpu, &frames, &want, &shapes, debug, submit_each)?,
-            ));
+            let run = run(gpu, &frames, &want, &shapes, &debug, submit_each)?;
+            runs.push((debug, run));
         }
         gpu.device
             .poll(wgpu::PollType::wait_indefinitely())
@@ -130,7 +128,7 @@ fn plans_hold_to_the_definitions() {
         let (frames, want) = interpret(program);
         let shapes = imports(program);
         for (debug, submit_each) in ways() {
-            run(&NOOP, &frames, &want, &shapes, debug, submit_each)?;
+            run(&NOOP, &frames, &want, &shapes, &debug, submit_each)?;
         }
         Ok(())
     });
