@@ -10,6 +10,7 @@
 //! | specular | specular | |
 //! | radiance | radiance | k_d/pi E + L_spec |
 //! | irradiance_moments, specular_moments, radiance_moments | moments | of single samples |
+//! | samples | age | paths traced for each pixel |
 
 use scumble::{BuildContext, BuildError, Needs, Pass, PassFrame, Port, RecordError};
 

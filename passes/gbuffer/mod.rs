@@ -7,6 +7,7 @@
 //! | output | signal |
 //! |---|---|
 //! | albedo, normal, geo_normal, view_z, position, motion, material, surface_id, emission | of the same name |
+//! | past_view_z | view_z |
 
 mod sampling;
 
@@ -96,6 +97,11 @@ impl Pass for Gbuffer {
                 "motion",
                 signal::MOTION,
                 "of camera, nodes, skins and morph targets",
+            ),
+            port(
+                "past_view_z",
+                signal::VIEW_Z,
+                "of the same surface point in the previous frame; -1 behind its camera",
             ),
             port("material", signal::MATERIAL, "F0 and perceptual roughness"),
             port("surface_id", signal::SURFACE_ID, "0 where the sky is"),
@@ -244,7 +250,7 @@ impl Gbuffer {
                 .texture("visibility", visibility)
                 .over(size)?;
         }
-        if any(frame, &["position", "motion"]) {
+        if any(frame, &["position", "motion", "past_view_z"]) {
             let dispatch = frame
                 .dispatch("resolve motion", &self.motion)
                 .group(1, scene);

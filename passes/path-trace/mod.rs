@@ -13,6 +13,7 @@
 //! | radiance | radiance | k_d/pi E + L_spec |
 //! | hit_t | hit_t | 1e30 where no first segment hit anything |
 //! | irradiance_moments, specular_moments, radiance_moments | moments | of single samples |
+//! | samples | age | paths traced for each pixel |
 
 use framegraph::ComputeKernel;
 use scumble::{BuildContext, BuildError, Needs, Pass, PassFrame, Port, RecordError, signal};

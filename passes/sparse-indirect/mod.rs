@@ -3,13 +3,14 @@
 //! | input | signal |
 //! |---|---|
 //! | position, normal, geo_normal, albedo, material, surface_id, motion, view_z | of the same name |
+//! | past_view_z | view_z, optional |
 //!
 //! | output (one texel per `spacing` x `spacing` pixels) | signal | |
 //! |---|---|---|
 //! | irradiance | irradiance | k_d left out |
 //! | specular | specular | |
 //! | hit_t | hit_t | 1e30 where no first segment hit anything |
-//! | normal, view_z, surface_id, motion | of the same name | of the traced pixel |
+//! | normal, view_z, surface_id, motion, past_view_z | of the same name | of the traced pixel |
 //! | pixel | pixel | which pixel was traced |
 
 use framegraph::{ComputeKernel, Texture};
@@ -47,6 +48,7 @@ pub struct SparseIndirect {
     trace: ComputeKernel,
     light: ComputeKernel,
     guides: ComputeKernel,
+    past: ComputeKernel,
 }
 
 impl Pass for SparseIndirect {
@@ -59,6 +61,11 @@ impl Pass for SparseIndirect {
         let mut inputs = primary_inputs();
         inputs.push(Port::new("motion", signal::MOTION).about("copied to the grid"));
         inputs.push(Port::new("view_z", signal::VIEW_Z).about("copied to the grid"));
+        inputs.push(
+            Port::new("past_view_z", signal::VIEW_Z)
+                .optional()
+                .about("copied to the grid"),
+        );
         inputs
     }
 
@@ -80,6 +87,11 @@ impl Pass for SparseIndirect {
             port("view_z", signal::VIEW_Z, "of the traced pixel"),
             port("surface_id", signal::SURFACE_ID, "of the traced pixel"),
             port("motion", signal::MOTION, "of the traced pixel"),
+            port(
+                "past_view_z",
+                signal::VIEW_Z,
+                "of the traced pixel; 0 everywhere where the input is not wired",
+            ),
             port("pixel", signal::PIXEL, "which pixel was traced"),
         ]
     }
@@ -105,6 +117,7 @@ impl Pass for SparseIndirect {
             )?,
             light: ctx.kernel("sparse-indirect/resolve.wgsl", resolve, "resolve_light")?,
             guides: ctx.kernel("sparse-indirect/resolve.wgsl", resolve, "copy_guides")?,
+            past: ctx.kernel("sparse-indirect/resolve.wgsl", resolve, "copy_past")?,
         })
     }
 
@@ -136,6 +149,12 @@ impl Pass for SparseIndirect {
         {
             frame
                 .dispatch("copy guides", &self.guides)
+                .set("grid_phase", phase)
+                .over(grid)?;
+        }
+        if frame.wants("past_view_z") {
+            frame
+                .dispatch("copy past", &self.past)
                 .set("grid_phase", phase)
                 .over(grid)?;
         }

@@ -27,6 +27,8 @@ struct Params {
 @group(0) @binding(13) var out_view_z: texture_storage_2d<r32float, write>;
 @group(0) @binding(14) var out_surface_id: texture_storage_2d<r32uint, write>;
 @group(0) @binding(15) var out_motion: texture_storage_2d<rg32float, write>;
+@group(0) @binding(16) var past_view_z: texture_2d<f32>;
+@group(0) @binding(17) var out_past_view_z: texture_storage_2d<r32float, write>;
 
 @compute @workgroup_size(8, 8)
 fn resolve_light(@builtin(global_invocation_id) id: vec3u) {
@@ -64,4 +66,16 @@ fn copy_guides(@builtin(global_invocation_id) id: vec3u) {
     textureStore(out_view_z, texel, textureLoad(view_z, pixel, 0));
     textureStore(out_surface_id, texel, textureLoad(surface_id, pixel, 0));
     textureStore(out_motion, texel, textureLoad(motion, pixel, 0));
+}
+
+// Apart, because four storage textures per stage is the portable limit.
+@compute @workgroup_size(8, 8)
+fn copy_past(@builtin(global_invocation_id) id: vec3u) {
+    let texel = id.xy;
+    let size = textureDimensions(past_view_z);
+    if any(texel * params.spacing >= size) {
+        return;
+    }
+    let pixel = traced_pixel(texel, params.spacing, params.grid_phase, size);
+    textureStore(out_past_view_z, texel, textureLoad(past_view_z, pixel, 0));
 }

@@ -70,6 +70,9 @@ pub(crate) fn light_outputs() -> Vec<Port> {
         Port::new("radiance_moments", signal::MOMENTS)
             .optional()
             .about("of single samples of radiance"),
+        Port::new("samples", signal::AGE)
+            .optional()
+            .about("paths traced for each pixel; 0 where nothing was"),
     ]
 }
 

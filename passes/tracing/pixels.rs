@@ -73,12 +73,16 @@ impl PixelTracer {
             Counter::start("clamps", frame),
         );
         let sums = self.trace(samples, [&mut rays, &mut clamps], frame)?;
+        let Some(surface_id) = frame.input("surface_id") else {
+            return Err(RecordError::Failed("it has no surface_id".into()));
+        };
 
         let light = frame.dispatch("resolve light", &self.light);
         clamps
             .bind(light)
             .texture("irradiance_sums", sums.irradiance)
             .texture("specular_sums", sums.specular)
+            .texture("pixel_mask", samples.mask.unwrap_or(surface_id))
             .over(size)?;
         if ["irradiance_moments", "specular_moments", "radiance_moments"]
             .iter()

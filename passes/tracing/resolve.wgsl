@@ -23,6 +23,9 @@ struct Params {
 @group(0) @binding(9) var out_irradiance_moments: texture_storage_2d<rg32float, write>;
 @group(0) @binding(10) var out_specular_moments: texture_storage_2d<rg32float, write>;
 @group(0) @binding(11) var out_radiance_moments: texture_storage_2d<rg32float, write>;
+@group(0) @binding(12) var pixel_mask: texture_2d<u32>;
+@group(0) @binding(13) var surface_id: texture_2d<u32>;
+@group(0) @binding(14) var out_samples: texture_storage_2d<r32float, write>;
 
 struct Means {
     irradiance: vec3f,
@@ -47,6 +50,8 @@ fn resolve_light(@builtin(global_invocation_id) id: vec3u) {
     textureStore(out_irradiance, pixel, vec4f(clamp_f16(m.irradiance), 1.0));
     textureStore(out_specular, pixel, vec4f(clamp_f16(m.specular), 1.0));
     textureStore(out_radiance, pixel, vec4f(clamp_f16(m.radiance), 1.0));
+    let traced = textureLoad(surface_id, pixel, 0).x != 0u && textureLoad(pixel_mask, pixel, 0).x != 0u;
+    textureStore(out_samples, pixel, vec4f(select(0.0, f32(params.samples), traced), 0.0, 0.0, 0.0));
     let most = max(max(m.irradiance, m.specular), m.radiance);
     if any(most > vec3f(F16_MAX)) {
         atomicAdd(&clamps, 1u);

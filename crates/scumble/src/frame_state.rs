@@ -26,16 +26,19 @@ pub(crate) struct Matrices {
     pub clip_from_world: Mat4,
     pub world_from_clip: Mat4,
     pub previous_clip_from_world: Mat4,
+    pub previous_world_from_clip: Mat4,
 }
 
 impl Matrices {
     pub fn new(input: &FrameInput, size: [u32; 2]) -> Matrices {
         let clip_from_world = input.camera.clip_from_world(size);
+        let previous_clip_from_world = input.previous_camera.clip_from_world(size);
         Matrices {
             view_from_world: input.camera.view_from_world(),
             clip_from_world,
             world_from_clip: clip_from_world.inverse(),
-            previous_clip_from_world: input.previous_camera.clip_from_world(size),
+            previous_clip_from_world,
+            previous_world_from_clip: previous_clip_from_world.inverse(),
         }
     }
 }

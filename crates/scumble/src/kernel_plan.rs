@@ -112,6 +112,7 @@ builtins! {
     ClipFromWorld "clip_from_world" MemberType::Mat4;
     WorldFromClip "world_from_clip" MemberType::Mat4;
     PreviousClipFromWorld "previous_clip_from_world" MemberType::Mat4;
+    PreviousWorldFromClip "previous_world_from_clip" MemberType::Mat4;
 }
 
 impl KernelPlan {
@@ -309,6 +310,7 @@ pub(crate) fn builtin_value(
         Builtin::ClipFromWorld => m.clip_from_world.into(),
         Builtin::WorldFromClip => m.world_from_clip.into(),
         Builtin::PreviousClipFromWorld => m.previous_clip_from_world.into(),
+        Builtin::PreviousWorldFromClip => m.previous_world_from_clip.into(),
     }
 }
 
