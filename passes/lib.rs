@@ -19,13 +19,18 @@ pub mod sparse_indirect;
 mod tracing;
 
 // Filters.
+pub mod accumulate;
+pub mod atrous;
 pub mod bilateral;
+#[path = "shared/edges.rs"]
+pub mod edges;
 pub mod jbu;
 #[path = "outlier-reject/mod.rs"]
 pub mod outlier_reject;
 pub mod progressive;
 pub mod recombine;
 pub mod tonemap;
+pub mod variance;
 
 /// Every pass of this crate, with the WGSL modules that their shaders include; graphs may use passes that
 /// are only a WGSL file, too.
@@ -39,6 +44,11 @@ pub fn registry() -> Registry {
     let mut registry = Registry::new();
     registry.set_wgsl_loader(scumble::wgsl_pass);
     registry.add_wgsl_module("passes/guides.wgsl", include_str!("shared/guides.wgsl"));
+    registry.add_wgsl_module("passes/edges.wgsl", include_str!("shared/edges.wgsl"));
+    registry.add_wgsl_module(
+        "accumulate/footprint.wgsl",
+        include_str!("accumulate/footprint.wgsl"),
+    );
     // Tracers.
     tracing::add_modules(&mut registry);
     registry.add::<direct_lighting::DirectLighting>();
@@ -47,11 +57,14 @@ pub fn registry() -> Registry {
     registry.add::<sparse_indirect::SparseIndirect>();
 
     // Filters.
+    registry.add::<accumulate::Accumulate>();
+    registry.add::<atrous::Atrous>();
     registry.add::<bilateral::Bilateral>();
     registry.add::<jbu::Jbu>();
     registry.add::<outlier_reject::OutlierReject>();
     registry.add::<progressive::Progressive>();
     registry.add::<recombine::Recombine>();
     registry.add::<tonemap::Tonemap>();
+    registry.add::<variance::Variance>();
     registry
 }

@@ -8,20 +8,23 @@ fn every_filter_keeps_the_rules() {
     let (device, queue) = gpu();
     let registry = scumble_passes::registry();
     let filters = [
+        "accumulate",
+        "atrous",
         "bilateral",
         "jbu",
         "outlier-reject",
         "progressive",
         "recombine",
         "tonemap",
+        "variance",
     ];
     for pass in filters {
         let report = check(&registry, pass, &mut Fixture::new(device, queue));
         assert!(report.passed(), "{report}");
-        // Neither `recombine` nor `tonemap` can be bypassed; everything else applies to every filter.
+        // `recombine`, `tonemap` and `variance` cannot be bypassed; everything else applies to every filter.
         let bypass = [Rule::Constant, Rule::Bypass];
         for (rule, outcome) in &report.rules {
-            let may_skip = bypass.contains(rule) && ["recombine", "tonemap"].contains(&pass);
+            let may_skip = bypass.contains(rule) && ["recombine", "tonemap", "variance"].contains(&pass);
             assert_eq!(matches!(outcome, Outcome::Skipped(_)), may_skip, "{report}");
         }
     }

@@ -1,5 +1,7 @@
 //! Every filter against a twin in f64 that is written from its equation, and against what every pass must keep.
 
+mod accumulate;
+mod atrous;
 mod bilateral;
 mod common;
 mod conformance;
@@ -8,3 +10,4 @@ mod outlier_reject;
 mod progressive;
 mod recombine;
 mod tonemap;
+mod variance;

@@ -4,7 +4,7 @@ mod close;
 mod image;
 
 pub use close::{Storage, assert_close};
-pub use image::{Guides, Image, Random, SIZES, is_finite, luminance};
+pub use image::{Guides, Image, Random, SIZES, is_finite, is_surface, luminance};
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -1,0 +1,186 @@
+// One level of the edge-avoiding a-trous wavelet transform, taps 2^level texels apart, with its variance:
+//   c'(p) = sum_q h w c(q) / sum_q h w,     Var'(p) = sum_q (h w)^2 Var(q) / (sum_q h w)^2
+//   w = w_normal w_depth w_luminance,       w_luminance = exp(-|L(p) - L(q)| / (sigma_l sqrt(Var) + epsilon))
+// h is [1 2 1]/4 or [1 4 6 4 1]/16 in each axis. normal and depth: passes/edges.wgsl.
+// H. Dammertz et al., "Edge-Avoiding A-Trous Wavelet Transform for Fast Global Illumination Filtering", HPG 2010; C. Schied et al.,
+// "Spatiotemporal Variance-Guided Filtering", HPG 2017, equations 1 to 5; L. Dundr, "Progressive Spatiotemporal Variance-Based Path
+// Tracing Filtering", 2018, section 4.2, whose printed forms (Var without its root; a sum of Var w^2 without normaliser) are wrong or
+// not scale invariant; the first is `luminance: Variance`.
+
+#include "scumble/conventions.wgsl"
+#include "passes/edges.wgsl"
+
+struct Params {
+    step: u32,
+    kernel: u32,
+    sigma_normal: f32,
+    sigma_depth: f32,
+    depth_epsilon: f32,
+    depth_form: u32,
+    slope_limit: f32,
+    sigma_luminance: f32,
+    luminance_epsilon: f32,
+    epsilon_age: f32,
+    luminance: u32,
+    variance_at: u32,
+    blur_variance: u32,
+    match_surface: u32,
+    fade_age: f32,
+    feedback_age: f32,
+    has_age: u32,
+    has_surface_id: u32,
+    has_level_variance: u32,
+}
+
+@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(1) var level_value: texture_2d<f32>;
+@group(0) @binding(2) var level_variance: texture_2d<f32>;
+@group(0) @binding(3) var view_z: texture_2d<f32>;
+@group(0) @binding(4) var normal: texture_2d<u32>;
+@group(0) @binding(5) var surface_id: texture_2d<u32>;
+@group(0) @binding(6) var age: texture_2d<f32>;
+@group(0) @binding(7) var out_value: texture_storage_2d<{{value.format}}, write>;
+@group(0) @binding(8) var out_variance: texture_storage_2d<r32float, write>;
+@group(0) @binding(9) var out_first: texture_storage_2d<{{first.format}}, write>;
+
+const LUMINANCE_NONE: u32 = 2u;
+const LUMINANCE_VARIANCE: u32 = 1u;
+const VARIANCE_MINIMUM: u32 = 1u;
+
+struct Filtered {
+    value: vec4f,
+    variance: f32,
+}
+
+fn age_at(p: vec2i) -> f32 {
+    if params.has_age == 0u {
+        return 1.0;
+    }
+    return textureLoad(age, p, 0).x;
+}
+
+fn variance_at(p: vec2i) -> f32 {
+    let v = textureLoad(level_variance, p, 0).x;
+    return select(0.0, max(v, 0.0), params.has_level_variance != 0u && is_finite(v));
+}
+
+// A texel that carries a value: on a surface, finite, with a sample.
+fn carries(p: vec2i, c: vec4f) -> bool {
+    return is_guide(textureLoad(view_z, p, 0).x) && is_finite4(c) && age_at(p) > 0.0;
+}
+
+// g3x3 of Schied et al. 2017, equation 5.
+fn blurred_variance(p: vec2i, size: vec2i) -> f32 {
+    var sum = 0.0;
+    var weight = 0.0;
+    for (var i = 0; i < 9; i++) {
+        let d = vec2i(i % 3, i / 3) - 1;
+        let q = p + d;
+        if all(q >= vec2i(0)) && all(q < size) && is_guide(textureLoad(view_z, q, 0).x) {
+            let w = f32((2 - abs(d.x)) * (2 - abs(d.y)));
+            sum += w * variance_at(q);
+            weight += w;
+        }
+    }
+    return sum / weight;
+}
+
+fn kernel_weight(i: i32) -> f32 {
+    if params.kernel == 0u {
+        return select(0.25, 0.5, i == 0);
+    }
+    return select(select(0.0625, 0.25, abs(i) == 1), 0.375, i == 0);
+}
+
+fn filtered(p: vec2i, size: vec2i) -> Filtered {
+    let c_p = textureLoad(level_value, p, 0);
+    let z_p = textureLoad(view_z, p, 0).x;
+    if !is_guide(z_p) {
+        return Filtered(select(vec4f(0.0), c_p, is_finite4(c_p)), 0.0);
+    }
+    let n_p = octahedral_decode(textureLoad(normal, p, 0).x);
+    let id_p = textureLoad(surface_id, p, 0).x;
+    let gradient = depth_gradient(view_z, p, z_p);
+    let how = DepthWeight(params.depth_form, params.sigma_depth, params.depth_epsilon, params.slope_limit);
+    let by_surface = params.match_surface != 0u && params.has_surface_id != 0u;
+
+    // A texel without a value of its own takes its neighbours', however bright they are.
+    let own = carries(p, c_p);
+    let by_luminance = own && params.luminance != LUMINANCE_NONE && params.has_level_variance != 0u;
+    let age_p = age_at(p);
+    let l_p = luminance709(c_p.rgb);
+    var v_p = variance_at(p);
+    if params.blur_variance != 0u {
+        v_p = blurred_variance(p, size);
+    }
+    let epsilon = params.luminance_epsilon / clamp(age_p, 1.0, params.epsilon_age);
+    // Old texels may be left as they are.
+    let strength = select(1.0, clamp(1.0 - age_p / max(params.fade_age, 1e-20), 0.0, 1.0), own && params.fade_age > 0.0);
+
+    let radius = select(2, 1, params.kernel == 0u);
+    var sum = vec4f(0.0);
+    var variance = 0.0;
+    var weight = 0.0;
+    for (var y = -radius; y <= radius; y++) {
+        for (var x = -radius; x <= radius; x++) {
+            let d = vec2i(x, y) * i32(params.step);
+            let q = p + d;
+            if any(q < vec2i(0)) || any(q >= size) {
+                continue;
+            }
+            let c_q = textureLoad(level_value, q, 0);
+            if !carries(q, c_q) || (by_surface && textureLoad(surface_id, q, 0).x != id_p) {
+                continue;
+            }
+            var w = kernel_weight(x) * kernel_weight(y);
+            let v_q = variance_at(q);
+            if x != 0 || y != 0 {
+                let z_q = textureLoad(view_z, q, 0).x;
+                w *= strength
+                    * normal_weight(n_p, octahedral_decode(textureLoad(normal, q, 0).x), params.sigma_normal)
+                    * depth_weight(z_p, z_q, gradient, vec2f(d), how);
+                if by_luminance {
+                    let v = select(v_p, min(v_p, v_q), params.variance_at == VARIANCE_MINIMUM);
+                    let spread = select(sqrt(v), v, params.luminance == LUMINANCE_VARIANCE);
+                    w *= exp(-abs(l_p - luminance709(c_q.rgb)) / (params.sigma_luminance * spread + epsilon + 1e-20));
+                }
+            }
+            sum += w * c_q;
+            variance += w * w * v_q;
+            weight += w;
+        }
+    }
+    if weight < 1e-12 {
+        return Filtered(vec4f(0.0), 0.0);
+    }
+    return Filtered(sum / weight, variance / (weight * weight));
+}
+
+@compute @workgroup_size(8, 8)
+fn level(@builtin(global_invocation_id) id: vec3u) {
+    let size = vec2i(textureDimensions(level_value));
+    let p = vec2i(id.xy);
+    if any(p >= size) {
+        return;
+    }
+    let f = filtered(p, size);
+    textureStore(out_value, p, f.value);
+    textureStore(out_variance, p, vec4f(f.variance, 0.0, 0.0, 0.0));
+}
+
+// The first level, which is also what may become history: unfiltered below one sample, and from feedback_age on.
+@compute @workgroup_size(8, 8)
+fn first_level(@builtin(global_invocation_id) id: vec3u) {
+    let size = vec2i(textureDimensions(level_value));
+    let p = vec2i(id.xy);
+    if any(p >= size) {
+        return;
+    }
+    let f = filtered(p, size);
+    textureStore(out_value, p, f.value);
+    textureStore(out_variance, p, vec4f(f.variance, 0.0, 0.0, 0.0));
+    let n = age_at(p);
+    let raw = n < 1.0 || (params.feedback_age > 0.0 && n >= params.feedback_age);
+    let c = textureLoad(level_value, p, 0);
+    textureStore(out_first, p, select(f.value, select(vec4f(0.0), c, is_finite4(c)), raw));
+}

@@ -1,0 +1,36 @@
+// 3x3 blur of the variance, [1 2 1] x [1 2 1] / 16 over the surfaces there are: it steadies an estimate from few samples before it
+// steers a filter.
+// L. Dundr, "Progressive Spatiotemporal Variance-Based Path Tracing Filtering", 2018, section 4.2; the g3x3 of C. Schied et al.,
+// "Spatiotemporal Variance-Guided Filtering", HPG 2017, equation 5.
+
+#include "passes/guides.wgsl"
+
+@group(0) @binding(0) var raw_variance: texture_2d<f32>;
+@group(0) @binding(1) var view_z: texture_2d<f32>;
+@group(0) @binding(2) var out_variance: texture_storage_2d<r32float, write>;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let size = vec2i(textureDimensions(view_z));
+    let p = vec2i(id.xy);
+    if any(p >= size) {
+        return;
+    }
+    if !is_guide(textureLoad(view_z, p, 0).x) {
+        textureStore(out_variance, p, vec4f(0.0));
+        return;
+    }
+    var sum = 0.0;
+    var weight = 0.0;
+    for (var i = 0; i < 9; i++) {
+        let d = vec2i(i % 3, i / 3) - 1;
+        let q = p + d;
+        if any(q < vec2i(0)) || any(q >= size) || !is_guide(textureLoad(view_z, q, 0).x) {
+            continue;
+        }
+        let w = f32((2 - abs(d.x)) * (2 - abs(d.y)));
+        sum += w * textureLoad(raw_variance, q, 0).x;
+        weight += w;
+    }
+    textureStore(out_variance, p, vec4f(sum / weight, 0.0, 0.0, 0.0));
+}
