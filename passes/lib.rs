@@ -29,6 +29,9 @@ pub mod jbu;
 pub mod outlier_reject;
 pub mod progressive;
 pub mod recombine;
+#[path = "sample-mask/mod.rs"]
+pub mod sample_mask;
+pub mod taa;
 pub mod tonemap;
 pub mod variance;
 
@@ -64,6 +67,8 @@ pub fn registry() -> Registry {
     registry.add::<outlier_reject::OutlierReject>();
     registry.add::<progressive::Progressive>();
     registry.add::<recombine::Recombine>();
+    registry.add::<sample_mask::SampleMask>();
+    registry.add::<taa::Taa>();
     registry.add::<tonemap::Tonemap>();
     registry.add::<variance::Variance>();
     registry

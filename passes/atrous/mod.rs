@@ -175,8 +175,7 @@ impl Pass for Atrous {
             return Err(RecordError::Failed("it has no value".into()));
         };
         let mut variance = frame.input("variance");
-        let output = frame.output("value");
-        let format = frame.graph().texture_format(output);
+        let format = frame.output_format("value");
         for (i, level) in self.order.iter().enumerate() {
             let kernel = match i == 0 && frame.wants("first") {
                 true => &self.first_level,

@@ -155,6 +155,15 @@ impl<'a, 'f> PassFrame<'a, 'f> {
         }
     }
 
+    /// The format in which an output is stored; `Rgba16Float` for a name that is no output.
+    pub fn output_format(&self, port: &str) -> wgpu::TextureFormat {
+        let info = self.side.info;
+        info.output(port)
+            .map_or(wgpu::TextureFormat::Rgba16Float, |i| {
+                info.desc_of(&info.outputs[i], Size::Frame).format
+            })
+    }
+
     /// Whether anything reads an output.
     pub fn wants(&self, output: &str) -> bool {
         self.side

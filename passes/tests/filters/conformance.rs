@@ -15,16 +15,22 @@ fn every_filter_keeps_the_rules() {
         "outlier-reject",
         "progressive",
         "recombine",
+        "sample-mask",
+        "taa",
         "tonemap",
         "variance",
     ];
     for pass in filters {
         let report = check(&registry, pass, &mut Fixture::new(device, queue));
         assert!(report.passed(), "{report}");
-        // `recombine`, `tonemap` and `variance` cannot be bypassed; everything else applies to every filter.
+        // `recombine`, `sample-mask`, `tonemap` and `variance` cannot be bypassed; everything else applies to every filter.
         let bypass = [Rule::Constant, Rule::Bypass];
         for (rule, outcome) in &report.rules {
-            let may_skip = bypass.contains(rule) && ["recombine", "tonemap", "variance"].contains(&pass);
+            let fed =
+                pass != "sample-mask" || ![Rule::Sky, Rule::Holes, Rule::BadTexel].contains(rule);
+            let may_skip = !fed
+                || bypass.contains(rule)
+                    && ["recombine", "sample-mask", "tonemap", "variance"].contains(&pass);
             assert_eq!(matches!(outcome, Outcome::Skipped(_)), may_skip, "{report}");
         }
     }

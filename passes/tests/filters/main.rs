@@ -9,5 +9,7 @@ mod jbu;
 mod outlier_reject;
 mod progressive;
 mod recombine;
+mod sample_mask;
+mod taa;
 mod tonemap;
 mod variance;
