@@ -20,6 +20,7 @@ use wgpu::TextureFormat::{Depth32Float, Rgba32Uint};
 
 use crate::tracing::{Counter, slices};
 use sampling::Sampling;
+pub(crate) use sampling::radical_inverse;
 
 scumble::choice! {
     /// How the visible triangle is found.

@@ -68,7 +68,7 @@ impl Sampling {
 }
 
 /// The digits of `index` in `base`, mirrored at the point (Halton 1960).
-fn radical_inverse(mut index: u32, base: u32) -> f32 {
+pub(crate) fn radical_inverse(mut index: u32, base: u32) -> f32 {
     let (mut value, mut scale) = (0.0f64, 1.0f64);
     while index > 0 {
         scale /= f64::from(base);
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn radical_inverses_are_those_of_the_literature() {
+    pub(crate) fn radical_inverses_are_those_of_the_literature() {
         let expect = |base, values: [f32; 4]| {
             for (i, v) in values.into_iter().enumerate() {
                 assert!(

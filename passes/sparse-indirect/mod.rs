@@ -18,6 +18,7 @@ use scumble::{BuildContext, BuildError, Needs, Pass, PassFrame, Port, RecordErro
 use scumble_scene::GpuScene;
 use wgpu::TextureFormat::Rgba32Float;
 
+use crate::gbuffer::radical_inverse;
 use crate::tracing::{Counter, needs, primary_inputs, rays_per_path, slices};
 
 scumble::params! {
@@ -33,6 +34,8 @@ scumble::params! {
         pub max_bounces: u32 = 4, in 0..=64;
         /// Which pixel of its cell is traced, along both axes; -1 is the centre, spacing / 2.
         pub phase: i32 = -1, in -1..=1023, unit "px";
+        /// Whether each frame traces another pixel of every cell, by the Halton sequence; `phase` is not looked at then.
+        pub move_phase: bool = false;
         /// Most rays of one dispatch; a frame of more is spread over several.
         pub ray_cap: u32 = 4_000_000, in 1024..=1_000_000_000, unit "rays";
     }
@@ -127,9 +130,7 @@ impl Pass for SparseIndirect {
         frame: &mut PassFrame<'_, '_>,
     ) -> Result<(), RecordError> {
         let grid = frame.size_of("irradiance");
-        let phase = u32::try_from(p.phase)
-            .unwrap_or(p.spacing / 2)
-            .min(p.spacing - 1);
+        let phase = phase(p, frame.input_frame().frame);
         let (mut rays, mut clamps) = (
             Counter::start("rays", frame),
             Counter::start("clamps", frame),
@@ -164,12 +165,24 @@ impl Pass for SparseIndirect {
     }
 }
 
+/// The traced pixel of every cell in a frame.
+fn phase(p: &SparseIndirectParams, frame: u32) -> [u32; 2] {
+    if !p.move_phase {
+        return [u32::try_from(p.phase).unwrap_or(p.spacing / 2); 2].map(|v| v.min(p.spacing - 1));
+    }
+    // The first point of the sequence, (0, 0), is left out.
+    [2, 3].map(|base| {
+        let along = radical_inverse(frame.wrapping_add(1), base) * p.spacing as f32;
+        (along as u32).min(p.spacing - 1)
+    })
+}
+
 impl SparseIndirect {
     /// The samples of a frame, dispatch by dispatch; gives their sums (irradiance, specular).
     fn trace(
         &self,
         p: &SparseIndirectParams,
-        phase: u32,
+        phase: [u32; 2],
         [rays, clamps]: [&mut Counter; 2],
         frame: &mut PassFrame<'_, '_>,
     ) -> Result<[Texture; 2], RecordError> {

@@ -7,7 +7,7 @@
 
 struct Params {
     spacing: u32,
-    grid_phase: u32,
+    grid_phase: vec2u,
     samples: u32,
 }
 

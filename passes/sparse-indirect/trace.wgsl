@@ -17,7 +17,7 @@ struct Params {
     bounces: u32,
     spacing: u32,
     // The parameter with "the centre" worked out.
-    grid_phase: u32,
+    grid_phase: vec2u,
     lanes: u32,
     first_row: u32,
     slice_rows: u32,

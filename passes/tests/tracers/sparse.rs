@@ -51,6 +51,24 @@ fn guides_are_those_of_the_traced_pixel() {
     }
 }
 
+/// A moving phase stays in its cell, and 36 frames trace all 36 cells of 4 x 9 in a cell of 36 x 36.
+#[test]
+fn a_moving_phase_visits_the_whole_cell() {
+    let graph = r#"(version: 1, about: "test", passes: [
+        (use: "gbuffer"),
+        (use: "sparse-indirect", with: (spacing: 36, samples: 1, max_bounces: 0, move_phase: true)),
+    ], outputs: {"pixel": "sparse-indirect.pixel"})"#;
+    let mut rig = Rig::new(graph, room(), [36, 36]);
+    let mut cells = std::collections::BTreeSet::new();
+    for frame in 0..36 {
+        rig.render(&rig.still(frame, 1));
+        let pixel = rig.bits("pixel")[0];
+        assert!(pixel[0] < 36 && pixel[1] < 36);
+        cells.insert([pixel[0] / 9, pixel[1] / 4]);
+    }
+    assert_eq!(cells.len(), 36);
+}
+
 /// With one traced pixel per pixel it is path-trace's indirect part, within noise.
 #[test]
 fn spacing_one_is_path_tracing() {
