@@ -332,7 +332,10 @@ impl<'a> Bench<'a> {
             wired
                 .iter()
                 .position(|p| p.name == port.name)
-                .map(Source::GraphInput)
+                .map(|input| Source::GraphInput {
+                    input,
+                    previous: false,
+                })
         };
         let pass = ResolvedPass {
             name: self.ty.name.clone(),

@@ -21,12 +21,17 @@ pub(super) enum Wire {
         previous: bool,
     },
     Input(usize),
+    /// What the host fed in the frame before.
+    PreviousInput(usize),
 }
 
 /// A source by position; `None` for a port that its pass does not have, which no resolved graph holds.
 pub(super) fn wire_of(resolved: &Resolved, source: &Source) -> Option<Wire> {
     match source {
-        Source::GraphInput(i) => Some(Wire::Input(*i)),
+        Source::GraphInput { input, previous } => Some(match previous {
+            true => Wire::PreviousInput(*input),
+            false => Wire::Input(*input),
+        }),
         Source::Port {
             pass,
             port,
@@ -142,7 +147,9 @@ pub(super) fn spread_grids(resolved: &mut Resolved, passes: &mut [Built]) {
         for (i, wire) in passes[p].wires.iter().enumerate() {
             let n = match wire {
                 None => continue,
-                Some(Wire::Input(input)) => resolved.inputs[*input].grid,
+                Some(Wire::Input(input) | Wire::PreviousInput(input)) => {
+                    resolved.inputs[*input].grid
+                }
                 Some(Wire::Port { pass, output, .. }) => {
                     let info = &passes[*pass].info;
                     info.spacing_of(&info.outputs[*output])

@@ -1,6 +1,6 @@
 //! One frame: every pass declares its work, in order.
 
-use framegraph::{First, FrameGraph, FrameParams, Label, Size, Texture};
+use framegraph::{First, FrameGraph, FrameParams, Label, Size, Texture, TextureDesc};
 
 use super::build::Wire;
 use super::resample::Mapping;
@@ -16,6 +16,8 @@ use crate::port::FirstFrame;
 struct Given {
     /// Of the graph's inputs.
     inputs: Vec<Option<Texture>>,
+    /// The same, as they were fed in the last frame; those that nobody reads are left out.
+    previous_inputs: Vec<Option<Texture>>,
     /// Last frame's value of each feedback.
     previous: Vec<Option<Texture>>,
 }
@@ -101,6 +103,11 @@ impl Pipeline {
         for feedback in &self.feedback {
             self.pool.reset_history(&feedback.label, reason);
         }
+        let kept = (0..self.inputs.len()).filter(|i| self.is_kept(*i));
+        let labels: Vec<Label> = kept.map(|i| self.input_label(i)).collect();
+        for label in &labels {
+            self.pool.reset_history(label, reason);
+        }
         for history in self.passes.iter().flat_map(|built| &built.state.histories) {
             self.pool.reset_history(history, reason);
         }
@@ -114,12 +121,15 @@ impl Pipeline {
                 .as_ref()
                 .map(|texture| graph.import_texture(&input.name, texture))
         };
-        let inputs = self
+        let inputs: Vec<_> = self
             .resolved
             .inputs
             .iter()
             .zip(&self.inputs)
             .map(import)
+            .collect();
+        let previous_inputs = (0..inputs.len())
+            .map(|i| self.keep_input(i, inputs[i]?, graph))
             .collect();
         for built in &mut self.passes {
             built.state.begin_frame();
@@ -140,7 +150,40 @@ impl Pipeline {
             built.slots[feedback.output].kept = Some(history.current);
             previous.push(history.previous.first().copied().flatten());
         }
-        Given { inputs, previous }
+        Given {
+            inputs,
+            previous_inputs,
+            previous,
+        }
+    }
+
+    /// Whether anything reads what the host fed to an input in the frame before.
+    pub(super) fn is_kept(&self, input: usize) -> bool {
+        let wired = Some(Wire::PreviousInput(input));
+        self.passes.iter().any(|built| built.wires.contains(&wired))
+    }
+
+    /// Under which name an input is kept for the next frame.
+    pub(super) fn input_label(&self, input: usize) -> Label {
+        Label::from(format!("{} of the host", self.resolved.inputs[input].name))
+    }
+
+    /// Copies what the host feeds for the next frame, where it is read then; gives what it fed in the last.
+    fn keep_input(
+        &self,
+        input: usize,
+        texture: Texture,
+        graph: &mut FrameGraph<'_>,
+    ) -> Option<Texture> {
+        if !self.is_kept(input) {
+            return None;
+        }
+        let label = self.input_label(input);
+        let size = Size::Absolute(graph.texture_size(texture));
+        let desc = TextureDesc::d2(graph.texture_format(texture), size);
+        let history = graph.history_texture(label.clone(), desc, 1, First::Skip);
+        graph.copy_texture(label, texture, history.current);
+        history.previous.first().copied().flatten()
     }
 
     fn record<'f>(
@@ -171,6 +214,7 @@ impl Pipeline {
         let now = |wire: &Option<Wire>| match wire {
             None => None,
             Some(Wire::Input(i)) => given.inputs[*i],
+            Some(Wire::PreviousInput(i)) => given.previous_inputs[*i],
             Some(Wire::Port {
                 pass,
                 output,
@@ -190,13 +234,24 @@ impl Pipeline {
         };
         let mut inputs: Vec<_> = built.wires.iter().map(now).collect();
         for (i, wire) in built.wires.iter().enumerate() {
-            let Some(Wire::Port {
-                pass,
-                output,
-                previous: true,
-            }) = wire
-            else {
-                continue;
+            let desc = match wire {
+                Some(Wire::Port {
+                    pass,
+                    output,
+                    previous: true,
+                }) => {
+                    let from = &self.passes[*pass].info;
+                    let port = &from.outputs[*output];
+                    from.desc_of(port, Size::Absolute(from.size_of(port, self.size)))
+                }
+                Some(Wire::PreviousInput(input)) => match given.inputs[*input] {
+                    Some(fed) => {
+                        let size = Size::Absolute(graph.texture_size(fed));
+                        TextureDesc::d2(graph.texture_format(fed), size)
+                    }
+                    None => continue,
+                },
+                _ => continue,
             };
             if inputs[i].is_some() {
                 continue;
@@ -212,10 +267,7 @@ impl Pipeline {
                     } else {
                         [0.0; 4]
                     };
-                    let from = &self.passes[*pass].info;
-                    let port = &from.outputs[*output];
-                    let size = Size::Absolute(from.size_of(port, self.size));
-                    let texture = graph.texture("first frame", from.desc_of(port, size));
+                    let texture = graph.texture("first frame", desc);
                     Some(graph.clear_texture(
                         format!("{}/first frame", built.info.name),
                         texture,

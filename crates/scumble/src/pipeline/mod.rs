@@ -213,12 +213,13 @@ impl Pipeline {
 
     fn exported(&self, what: &Exported) -> Option<&wgpu::Texture> {
         match what.from {
-            Wire::Input(input) => self.inputs[input].as_ref(),
+            Wire::Input(input) | Wire::PreviousInput(input) => self.inputs[input].as_ref(),
             Wire::Port { .. } => self.pool.exported_texture(&what.key),
         }
     }
 
-    /// Feeds an input of the graph. The texture needs the usage `TEXTURE_BINDING`; the host may
+    /// Feeds an input of the graph. The texture needs the usage `TEXTURE_BINDING`, and `COPY_SRC` where its
+    /// previous frame is read; the host may
     /// write it between frames.
     ///
     /// # Errors
@@ -255,6 +256,13 @@ impl Pipeline {
         {
             return Err(error(
                 "the texture lacks the usage TEXTURE_BINDING".to_owned(),
+            ));
+        }
+        let copied = self.is_kept(i);
+        if copied && !texture.usage().contains(wgpu::TextureUsages::COPY_SRC) {
+            return Err(error(
+                "the texture lacks the usage COPY_SRC: its previous frame is read, so it is copied"
+                    .to_owned(),
             ));
         }
         if self.inputs[i]

@@ -127,7 +127,12 @@ impl Pipeline {
                 )
             })
         });
-        let all = self.feedback.iter().map(|f| (&f.label, None)).chain(own);
+        let inputs: Vec<Label> = (0..self.inputs.len())
+            .filter(|i| self.is_kept(*i))
+            .map(|i| self.input_label(i))
+            .collect();
+        let kept = self.feedback.iter().map(|f| &f.label).chain(&inputs);
+        let all = kept.map(|label| (label, None)).chain(own);
         let history = |(label, forgotten): (&Label, Option<(u64, &str)>)| {
             let info = self.pool.history(label)?;
             let (since, reason) = match forgotten.filter(|(since, _)| *since > info.since) {

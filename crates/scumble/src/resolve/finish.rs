@@ -40,7 +40,10 @@ pub(super) fn finish(draft: &Draft, order: &[VertexId], diagnostics: &mut Diagno
         passes.insert(*id, passes.len());
     }
     let source = |origin: &Origin| match inputs.get(&origin.vertex) {
-        Some(input) => Some(Source::GraphInput(*input)),
+        Some(input) => Some(Source::GraphInput {
+            input: *input,
+            previous: origin.previous > 0,
+        }),
         None => Some(Source::Port {
             pass: *passes.get(&origin.vertex)?,
             port: draft.vertices[origin.vertex].outputs[origin.output]
@@ -57,14 +60,8 @@ pub(super) fn finish(draft: &Draft, order: &[VertexId], diagnostics: &mut Diagno
             let origin = origin(draft, &input.wire);
             if let Some(origin) = &origin {
                 let first = input.slot.first.is_some();
-                check_previous(
-                    draft,
-                    vertex,
-                    &vertex.address(&input.slot),
-                    first,
-                    origin,
-                    diagnostics,
-                );
+                let address = vertex.address(&input.slot);
+                check_previous(vertex, &address, first, origin, diagnostics);
                 if origin.implicit {
                     resolved.implicit.push(ImplicitWire {
                         pass: resolved.passes.len(),
@@ -187,7 +184,6 @@ fn unwired_end(draft: &Draft, link: &Link) -> Option<VertexId> {
 }
 
 fn check_previous(
-    draft: &Draft,
     reader: &Vertex,
     address: &str,
     first: bool,
@@ -198,19 +194,7 @@ fn check_previous(
         return;
     }
     let at = origin.span.as_ref().unwrap_or(&reader.span);
-    let host = matches!(
-        draft.vertices[origin.vertex].kind,
-        VertexKind::HostInput { .. }
-    );
-    let (code, message, help) = if host {
-        let message =
-            format!("`{address}` reads the previous frame of an input that the host feeds");
-        (
-            code::NO_PREVIOUS,
-            message,
-            "the host keeps what it needs of earlier frames",
-        )
-    } else if origin.previous > 1 {
+    let (code, message, help) = if origin.previous > 1 {
         let message = format!("`{address}` reads the frame before the previous one");
         (
             code::NO_PREVIOUS,

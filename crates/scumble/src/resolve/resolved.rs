@@ -82,8 +82,13 @@ pub enum Source {
         /// The value of the frame before.
         previous: bool,
     },
-    /// Position in [`Resolved::inputs`].
-    GraphInput(usize),
+    /// What the host feeds.
+    GraphInput {
+        /// Position in [`Resolved::inputs`].
+        input: usize,
+        /// What it fed in the frame before.
+        previous: bool,
+    },
 }
 
 /// A wire that no file states.
@@ -113,9 +118,9 @@ impl Resolved {
                 let name = self.passes.get(*pass).map_or("?", |pass| &pass.name);
                 format!("{name}.{port}{}", if *previous { "@prev" } else { "" })
             }
-            Source::GraphInput(input) => {
-                let name = self.inputs.get(*input).map(|input| input.name.clone());
-                name.unwrap_or_default()
+            Source::GraphInput { input, previous } => {
+                let name = self.inputs.get(*input).map_or("?", |input| &input.name);
+                format!("{name}{}", if *previous { "@prev" } else { "" })
             }
         }
     }

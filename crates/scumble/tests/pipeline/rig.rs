@@ -45,7 +45,7 @@ pub fn graph(registry: &Registry, rows: &[Row], outputs: &[(&str, &str)]) -> Res
             .strip_suffix("@prev")
             .map_or((text, false), |t| (t, true));
         let Some((name, port)) = text.rsplit_once('.') else {
-            return Source::GraphInput(0);
+            return Source::GraphInput { input: 0, previous };
         };
         let pass = rows.iter().position(|row| row.0 == name).unwrap();
         Source::Port {

@@ -152,3 +152,65 @@ fn a_graph_fed_by_the_host_runs_on_its_images() {
     assert_eq!(rig.frame(0, "out"), [[2.0, 2.0, 2.0, 1.0]; 2]);
     assert_eq!(rig.read("same"), texels);
 }
+
+#[test]
+fn what_the_host_fed_in_the_frame_before_is_kept_for_who_reads_it() {
+    let Some((device, queue)) = gpu() else { return };
+    let text = r#"(
+        version: 1,
+        inputs: {"image": (signal: radiance, resolution: full)},
+        passes: [(use: "past-skip", in: {"value": "image", "past": "image@prev"})],
+        outputs: {"out": "past-skip.value"},
+    )"#;
+    let resolved = resolve_text("fed.ron", text, &registry(), &Edits::default())
+        .unwrap_or_else(|e| panic!("{e}"));
+    let mut rig = Rig::new(resolved, [1, 1]);
+    use wgpu::TextureUsages as U;
+    let image = |usage| {
+        device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d::default(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Float,
+            usage,
+            view_formats: &[],
+        })
+    };
+    let bare = image(U::TEXTURE_BINDING | U::COPY_DST);
+    assert_eq!(
+        rig.pipeline
+            .bind_input("image", &bare)
+            .unwrap_err()
+            .to_string(),
+        "graph input `image`: the texture lacks the usage COPY_SRC: its previous frame is read, so it is copied"
+    );
+    let fed = image(U::TEXTURE_BINDING | U::COPY_DST | U::COPY_SRC);
+    rig.pipeline.bind_input("image", &fed).unwrap();
+    let mut frame = |value: f32, cut: bool| {
+        let texel = [[value, value, value, 1.0]];
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(16),
+            rows_per_image: None,
+        };
+        queue.write_texture(
+            fed.as_image_copy(),
+            bytemuck::cast_slice(&texel),
+            layout,
+            fed.size(),
+        );
+        rig.render(&FrameInput {
+            cut,
+            ..FrameInput::default()
+        });
+        rig.read("out")[0][0]
+    };
+    // `past-skip` adds 1000 where it has no past.
+    assert_eq!(frame(1.0, false), 1001.0);
+    assert_eq!(frame(2.0, false), 3.0);
+    assert_eq!(frame(4.0, false), 6.0);
+    assert_eq!(frame(8.0, true), 1008.0, "after a cut");
+    assert_eq!(frame(16.0, false), 24.0);
+}
