@@ -108,7 +108,7 @@ fn bad_comparisons_say_why() {
         ),
         (
             &[&a, "b.jpg"],
-            "`b.jpg`: not an image file this program knows (known: .exr, .png, .hdr)",
+            "`b.jpg`: not an image file this program knows (known: .exr, .png, .hdr, .pfm)",
         ),
         (
             &["missing.exr", &b],

@@ -96,6 +96,20 @@ pub enum MetricsError {
         /// Side of a block.
         factor: u32,
     },
+    /// A folder or a pattern without a numbered image.
+    #[error("`{path}`: no numbered images here, such as frame.0001.exr", path = path.display())]
+    NoSequence {
+        /// The folder or pattern.
+        path: PathBuf,
+    },
+    /// A folder with several sequences.
+    #[error("`{path}` has several sequences: give one of {found}", path = path.display())]
+    SeveralSequences {
+        /// The folder.
+        path: PathBuf,
+        /// Their patterns.
+        found: String,
+    },
     /// A name that is none of [`crate::Metric::ALL`].
     #[error("there is no metric `{name}`; there are mse, rmse, relmse, psnr, ssim")]
     UnknownMetric {

@@ -10,7 +10,8 @@
 //!
 //! All take the image under test first and the reference second, compute in f64, and give the
 //! same bits whatever the number of threads. [`Image`] is three f32 per pixel; [`read`] takes EXR,
-//! PNG and HDR files to linear values, [`write_exr`] and [`write_png`] write them whole or not at all.
+//! PNG, HDR and PFM files to linear values, [`write_exr`], [`write_pfm`] and [`write_png`] write them whole
+//! or not at all; a [`Sequence`] is numbered files.
 //!
 //! ```
 //! use scumble_metrics::{Image, Metric, mse};
@@ -32,8 +33,10 @@ mod color;
 mod error;
 mod image;
 mod metric;
+mod pfm;
 mod pixelwise;
 mod read;
+mod sequence;
 mod ssim;
 mod write;
 
@@ -42,7 +45,9 @@ pub use color::{LUMINANCE, linear_from_srgb, luminance, srgb_from_linear};
 pub use error::{MetricsError, Role};
 pub use image::Image;
 pub use metric::{Metric, Space};
+pub use pfm::write_pfm;
 pub use pixelwise::{RELMSE_EPSILON, mse, psnr, relmse, rmse};
 pub use read::read;
+pub use sequence::Sequence;
 pub use ssim::{SSIM_WINDOW, ssim, ssim_luma};
 pub use write::{write_atomic, write_exr, write_png};

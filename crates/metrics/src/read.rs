@@ -5,7 +5,10 @@ use image::ImageFormat;
 use std::io::Cursor;
 use std::path::Path;
 
-const KNOWN: &str = ".exr, .png, .hdr";
+/// The extensions of image files, those that hold linear values first.
+pub(crate) const EXTENSIONS: [&str; 4] = ["exr", "pfm", "hdr", "png"];
+
+const KNOWN: &str = ".exr, .png, .hdr, .pfm";
 
 /// Reads an image to linear values; the extension says what it is.
 ///
@@ -13,6 +16,8 @@ const KNOWN: &str = ".exr, .png, .hdr";
 ///   layer prefix (`beauty.R`) count where no plain ones are there. Values are taken as they are.
 /// - `.png`: 8 or 16 bits, grey or RGB; sRGB is decoded to linear, whatever the file says of gamma.
 /// - `.hdr`: Radiance RGBE. Values are taken as they are.
+/// - `.pfm`: portable float map, RGB or grey, either byte order. Values are taken as they are; of the
+///   header's scale only the sign counts, which gives the byte order.
 ///
 /// Alpha is left out: colour is taken as stored.
 ///
@@ -24,6 +29,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<Image, MetricsError> {
         Some("exr") => exr_image,
         Some("png") => png_image,
         Some("hdr") => hdr_image,
+        Some("pfm") => crate::pfm::decode,
         _ => {
             return Err(MetricsError::UnknownFormat {
                 path: path.to_owned(),

@@ -1,7 +1,9 @@
 //! What is written is read back, and bad files say what is wrong with them.
 
 use proptest::prelude::*;
-use scumble_metrics::{Image, linear_from_srgb, mse, read, write_exr, write_png};
+use scumble_metrics::{
+    Image, Sequence, linear_from_srgb, mse, read, write_exr, write_pfm, write_png,
+};
 use std::path::Path;
 
 fn gradient(width: u32, height: u32) -> Image {
@@ -126,13 +128,113 @@ fn hdr_is_read_as_linear() {
 }
 
 #[test]
+fn pfm_keeps_every_bit_with_rows_from_the_bottom() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.pfm");
+    for size in [[1, 1], [5, 3]] {
+        let image = gradient(size[0], size[1]);
+        write_pfm(&path, &image).unwrap();
+        assert_eq!(read(&path).unwrap(), image);
+    }
+    assert_eq!(names(folder.path()), ["a.pfm"]);
+    let floats = |values: &[f32], word: fn(f32) -> [u8; 4]| -> Vec<u8> {
+        values.iter().flat_map(|v| word(*v)).collect()
+    };
+    let rows = [1.0, 2.0, 3.0, 4.0];
+    for (header, word) in [
+        ("Pf\n2 2\n-1.0\n", f32::to_le_bytes as fn(f32) -> [u8; 4]),
+        ("Pf 2\t2 2.5\n", f32::to_be_bytes),
+    ] {
+        std::fs::write(&path, [header.as_bytes(), &floats(&rows, word)].concat()).unwrap();
+        let grey = read(&path).unwrap();
+        assert_eq!(grey.data, [[3.0; 3], [4.0; 3], [1.0; 3], [2.0; 3]]);
+    }
+}
+
+#[test]
+fn bad_pfm_files_say_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.pfm");
+    for (content, why) in [
+        ("", "the header of a portable float map has no kind"),
+        (
+            "P6\n1 1\n",
+            "a portable float map starts with PF or Pf, not `P6`",
+        ),
+        ("PF\n0 1\n-1\n", "`0` is no width"),
+        ("PF\n1 x\n-1\n", "`x` is no height"),
+        ("PF\n1 1\n0\n", "`0` is no scale"),
+        ("PF\n1 1", "the header of a portable float map has no scale"),
+        (
+            "PF\n1 1\n-1\nfour",
+            "1x1 pixels take 12 bytes after the header, and there are 4",
+        ),
+    ] {
+        std::fs::write(&path, content).unwrap();
+        assert_eq!(message(&path), format!("`FILE`: {why}"));
+    }
+}
+
+#[test]
+fn sequences_by_folder_and_by_pattern() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let find = |path: &Path| -> Vec<(u32, String)> {
+        let frames = Sequence::find(path).unwrap().unwrap().frames;
+        let name = |path: &Path| path.file_name().unwrap().to_str().unwrap().to_owned();
+        frames
+            .iter()
+            .map(|(number, path)| (*number, name(path)))
+            .collect()
+    };
+    let why = |path: &Path| {
+        let text = Sequence::find(path).unwrap_err().to_string();
+        text.replace(&folder.path().display().to_string(), "DIR")
+    };
+    assert_eq!(
+        why(folder.path()),
+        "`DIR`: no numbered images here, such as frame.0001.exr"
+    );
+    for name in [
+        "frame.0002.exr",
+        "frame.0010.exr",
+        "frame.0002.png",
+        "frame.0002.gbuffer.motion.exr",
+        "frame.txt",
+        "plot.0001.svg",
+    ] {
+        std::fs::write(at(name), "").unwrap();
+    }
+    let exr = [
+        (2, "frame.0002.exr".to_owned()),
+        (10, "frame.0010.exr".to_owned()),
+    ];
+    assert_eq!(find(folder.path()), exr);
+    assert_eq!(find(&at("frame.####.exr")), exr);
+    assert_eq!(find(&at("frame.#.png")), [(2, "frame.0002.png".to_owned())]);
+    let dumps = find(&at("frame.####.gbuffer.motion.exr"));
+    assert_eq!(dumps, [(2, "frame.0002.gbuffer.motion.exr".to_owned())]);
+    assert_eq!(Sequence::find(at("frame.0002.exr")).unwrap(), None);
+    assert_eq!(
+        why(&at("frame.#####.exr")),
+        "`DIR/frame.#####.exr`: no numbered images here, such as frame.0001.exr"
+    );
+    std::fs::write(at("other.0001.png"), "").unwrap();
+    assert_eq!(
+        why(folder.path()),
+        "`DIR` has several sequences: give one of frame.####.exr, other.####.png"
+    );
+    assert!(why(&at("none/a.#.exr")).starts_with("cannot read `DIR/none`: "));
+}
+
+#[test]
 fn bad_files_say_why() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     assert!(message(&at("missing.exr")).starts_with("cannot read `FILE`: "));
     assert_eq!(
         message(&at("a.jpg")),
-        "`FILE`: not an image file this program knows (known: .exr, .png, .hdr)"
+        "`FILE`: not an image file this program knows (known: .exr, .png, .hdr, .pfm)"
     );
     write_exr(at("a.exr"), &gradient(40, 40)).unwrap();
     let whole = std::fs::read(at("a.exr")).unwrap();
