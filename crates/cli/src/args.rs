@@ -192,18 +192,20 @@ pub struct SceneExportArgs {
     pub output: PathBuf,
 }
 
-/// Errors (mse, rmse, relmse) are of linear values, similarities (psnr, ssim) of values clamped to
-/// [0, 1] and sRGB-encoded. PNG files are decoded to linear first. In JSON the psnr of equal images,
-/// which is infinite, is null.
+/// mse, rmse, relmse, smape, mape, energy and hdr_flip (which exposes and tone maps by itself) are of
+/// linear values; psnr, ssim, ms_ssim and flip of values clamped to [0, 1] and sRGB-encoded. PNG files are
+/// decoded to linear first. ssim takes images from 11x11, ms_ssim from 161x161. In JSON the psnr of equal
+/// images, which is infinite, is null.
 #[derive(Args)]
 pub struct CompareArgs {
-    /// The image: .exr, .png or .hdr
+    /// The image: .exr, .png, .hdr or .pfm
     #[arg(value_name = "A")]
     pub image: PathBuf,
     /// The reference
     #[arg(value_name = "B")]
     pub reference: PathBuf,
-    /// mse, rmse, relmse, psnr or ssim; may be given several times [default: all]
+    /// mse, rmse, relmse, psnr, ssim, ms_ssim, flip, hdr_flip, smape, mape or energy; may be given several
+    /// times [default: all]
     #[arg(long)]
     pub metric: Vec<Metric>,
     /// Exit with 1 where the metric, an error, is above this

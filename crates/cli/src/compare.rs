@@ -3,7 +3,7 @@
 use crate::args::CompareArgs;
 use crate::failure::Failure;
 use crate::{Verdict, report};
-use scumble_metrics::{BLOCK, Image, Metric, SSIM_WINDOW, Space, block_error, read};
+use scumble_metrics::{BLOCK, Image, Metric, Space, block_error, read};
 use serde_json::json;
 
 pub fn run(args: &CompareArgs) -> Result<Verdict, Failure> {
@@ -11,10 +11,11 @@ pub fn run(args: &CompareArgs) -> Result<Verdict, Failure> {
     let (image, reference) = (read(&args.image)?, read(&args.reference)?);
     let display = (image.to_display(), reference.to_display());
     let side = image.width.min(image.height);
+    let light = reference.mean()? > 0.0;
     let metrics = match args.metric.as_slice() {
         [] => Metric::ALL
             .into_iter()
-            .filter(|m| *m != Metric::Ssim || side >= SSIM_WINDOW)
+            .filter(|m| side >= m.least_side() && (light || *m != Metric::Energy))
             .collect(),
         named => named.to_vec(),
     };
@@ -35,7 +36,7 @@ pub fn run(args: &CompareArgs) -> Result<Verdict, Failure> {
         report::json(&as_json(&image, &reference, &values)?);
     } else {
         for (metric, value) in &values {
-            report::line(format_args!("{:<8}{value:.7}", metric.name()));
+            report::line(format_args!("{:<7} {value:.7}", metric.name()));
         }
         if args.metric.is_empty() {
             report::line(blocks(&image, &reference)?);

@@ -123,10 +123,11 @@ fn bad_comparisons_say_why() {
             "{rest:?}"
         );
     }
-    let run = scumble(&["compare", &a, &b, "--metric", "flip"]);
+    let run = scumble(&["compare", &a, &b, "--metric", "lpips"]);
     assert_eq!(run.code, 2);
-    let expected = "error: invalid value 'flip' for '--metric <METRIC>': \
-                    there is no metric `flip`; there are mse, rmse, relmse, psnr, ssim";
+    let expected = "error: invalid value 'lpips' for '--metric <METRIC>': \
+                    there is no metric `lpips`; there are mse, rmse, relmse, psnr, ssim, ms_ssim, \
+                    flip, hdr_flip, smape, mape, energy";
     assert_eq!(run.err.lines().next(), Some(expected));
 }
 

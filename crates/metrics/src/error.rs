@@ -96,6 +96,56 @@ pub enum MetricsError {
         /// Side of a block.
         factor: u32,
     },
+    /// A fraction of pixels to leave out that leaves none or is no fraction.
+    #[error("{value} is no fraction of pixels to leave out: give 0 or more, and less than 1")]
+    Fraction {
+        /// The value given.
+        value: f64,
+    },
+    /// A number of pixels per degree at which no display is seen.
+    #[error("{value} pixels per degree of visual angle: give 1 to 1000")]
+    PixelsPerDegree {
+        /// The value given.
+        value: f64,
+    },
+    /// A metric that is of a whole image and not of its pixels.
+    #[error(
+        "{name} is of a whole image and has no map; there are maps of {}",
+        crate::Metric::mapped_names()
+    )]
+    NoMap {
+        /// The metric's name.
+        name: &'static str,
+    },
+    /// A mask of another size than the image it is for.
+    #[error("the sizes differ: the mask is {}x{}, the image {}x{}", mask[0], mask[1], image[0], image[1])]
+    MaskSize {
+        /// Width and height of the mask.
+        mask: [u32; 2],
+        /// Width and height of the image.
+        image: [u32; 2],
+    },
+    /// A frame of another size than those before it.
+    #[error("the sizes of frames differ: {}x{} after {}x{}", found[0], found[1], first[0], first[1])]
+    FrameSize {
+        /// Width and height of the frames before.
+        first: [u32; 2],
+        /// Width and height of this one.
+        found: [u32; 2],
+    },
+    /// Too short a sequence to see anything change.
+    #[error("flicker needs at least {needed} frames; there are {found}")]
+    TooFewFrames {
+        /// The least number, warm-up included.
+        needed: usize,
+        /// How many there were.
+        found: usize,
+    },
+    /// No pixel is left to measure.
+    #[error(
+        "no pixel is left to measure: the mask leaves none, or nothing changed where it leaves some"
+    )]
+    NothingValid,
     /// A folder or a pattern without a numbered image.
     #[error("`{path}`: no numbered images here, such as frame.0001.exr", path = path.display())]
     NoSequence {
@@ -111,7 +161,7 @@ pub enum MetricsError {
         found: String,
     },
     /// A name that is none of [`crate::Metric::ALL`].
-    #[error("there is no metric `{name}`; there are mse, rmse, relmse, psnr, ssim")]
+    #[error("there is no metric `{name}`; there are {}", crate::Metric::names())]
     UnknownMetric {
         /// The name given.
         name: String,

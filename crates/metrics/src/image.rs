@@ -1,5 +1,6 @@
 //! The image all metrics work on: three f32 per pixel, rows from the top.
 
+use crate::plane::Plane;
 use crate::{MetricsError, Role, srgb_from_linear};
 use rayon::prelude::*;
 
@@ -140,6 +141,19 @@ impl Image {
             sum.map(|s| s / area)
         };
         blocks.par_iter().map(mean).collect()
+    }
+
+    /// One channel, in f64.
+    pub(crate) fn channel(&self, c: usize) -> Plane {
+        self.plane(|p| f64::from(p[c]))
+    }
+
+    /// One number of each pixel.
+    pub(crate) fn plane(&self, f: impl Fn(&[f32; 3]) -> f64 + Sync + Send) -> Plane {
+        Plane {
+            width: self.width as usize,
+            data: self.data.par_iter().map(f).collect(),
+        }
     }
 
     pub(crate) fn check_shape(&self) -> Result<(), MetricsError> {

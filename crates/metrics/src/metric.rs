@@ -1,6 +1,9 @@
 //! A metric as a value: what a command line or an experiment file names.
 
-use crate::{Image, MetricsError, mse, psnr, relmse, rmse, ssim};
+use crate::{
+    Image, MS_SSIM_SIDE, MetricsError, SSIM_WINDOW, energy, flip, hdr_flip, mape, ms_ssim, mse,
+    psnr, relmse, rmse, smape, ssim,
+};
 use std::fmt;
 use std::str::FromStr;
 
@@ -20,7 +23,7 @@ pub enum Space {
 /// let metric: Metric = "relmse".parse()?;
 /// assert_eq!(metric, Metric::RelMse);
 /// assert_eq!(metric.to_string(), "relmse");
-/// assert!("flip".parse::<Metric>().is_err());
+/// assert!("lpips".parse::<Metric>().is_err());
 /// # Ok::<(), scumble_metrics::MetricsError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -35,19 +38,37 @@ pub enum Metric {
     Psnr,
     /// [`ssim`], of display values.
     Ssim,
+    /// [`ms_ssim`], of display values.
+    MsSsim,
+    /// [`flip`], of display values.
+    Flip,
+    /// [`hdr_flip`], of linear values, which it exposes and tone maps itself.
+    HdrFlip,
+    /// [`smape`], of linear values.
+    Smape,
+    /// [`mape`], of linear values.
+    Mape,
+    /// [`energy`], of linear values.
+    Energy,
 }
 
 impl Metric {
     /// All of them, in the order of their listing.
-    pub const ALL: [Metric; 5] = [
+    pub const ALL: [Metric; 11] = [
         Metric::Mse,
         Metric::Rmse,
         Metric::RelMse,
         Metric::Psnr,
         Metric::Ssim,
+        Metric::MsSsim,
+        Metric::Flip,
+        Metric::HdrFlip,
+        Metric::Smape,
+        Metric::Mape,
+        Metric::Energy,
     ];
 
-    /// `mse`, `rmse`, `relmse`, `psnr` or `ssim`.
+    /// `mse`, `rmse`, `relmse`, `psnr`, `ssim`, `ms_ssim`, `flip`, `hdr_flip`, `smape`, `mape` or `energy`.
     pub fn name(self) -> &'static str {
         match self {
             Metric::Mse => "mse",
@@ -55,20 +76,61 @@ impl Metric {
             Metric::RelMse => "relmse",
             Metric::Psnr => "psnr",
             Metric::Ssim => "ssim",
+            Metric::MsSsim => "ms_ssim",
+            Metric::Flip => "flip",
+            Metric::HdrFlip => "hdr_flip",
+            Metric::Smape => "smape",
+            Metric::Mape => "mape",
+            Metric::Energy => "energy",
         }
     }
 
     /// The values it is defined on.
     pub fn space(self) -> Space {
         match self {
-            Metric::Mse | Metric::Rmse | Metric::RelMse => Space::Linear,
-            Metric::Psnr | Metric::Ssim => Space::Display,
+            Metric::Psnr | Metric::Ssim | Metric::MsSsim | Metric::Flip => Space::Display,
+            Metric::Mse
+            | Metric::Rmse
+            | Metric::RelMse
+            | Metric::HdrFlip
+            | Metric::Smape
+            | Metric::Mape
+            | Metric::Energy => Space::Linear,
         }
     }
 
     /// Whether a larger value means closer to the reference.
     pub fn higher_is_better(self) -> bool {
-        matches!(self, Metric::Psnr | Metric::Ssim)
+        matches!(self, Metric::Psnr | Metric::Ssim | Metric::MsSsim)
+    }
+
+    /// How large an error a value is: the value itself, but for `energy`, which is best at 1, its
+    /// distance from 1. Of a metric that is better the higher it is, the value itself too.
+    ///
+    /// ```
+    /// use scumble_metrics::Metric;
+    /// assert_eq!(Metric::Energy.error(0.75), 0.25);
+    /// assert_eq!(Metric::Flip.error(0.75), 0.75);
+    /// ```
+    pub fn error(self, value: f64) -> f64 {
+        match self {
+            Metric::Energy => (value - 1.0).abs(),
+            _ => value,
+        }
+    }
+
+    /// Whether it has a map; see [`crate::error_map`].
+    pub fn has_map(self) -> bool {
+        !matches!(self, Metric::Psnr | Metric::MsSsim | Metric::Energy)
+    }
+
+    /// The least width and height of an image that it takes.
+    pub fn least_side(self) -> u32 {
+        match self {
+            Metric::Ssim => SSIM_WINDOW,
+            Metric::MsSsim => MS_SSIM_SIDE,
+            _ => 1,
+        }
     }
 
     /// The metric of the values as they are; see [`Metric::space`] for what they should be.
@@ -82,8 +144,29 @@ impl Metric {
             Metric::RelMse => relmse(image, reference),
             Metric::Psnr => psnr(image, reference),
             Metric::Ssim => ssim(image, reference),
+            Metric::MsSsim => ms_ssim(image, reference),
+            Metric::Flip => flip(image, reference),
+            Metric::HdrFlip => hdr_flip(image, reference),
+            Metric::Smape => smape(image, reference),
+            Metric::Mape => mape(image, reference),
+            Metric::Energy => energy(image, reference),
         }
     }
+
+    /// All names, for messages.
+    pub(crate) fn names() -> String {
+        listed(|_| true)
+    }
+
+    /// The names of those that have a map.
+    pub(crate) fn mapped_names() -> String {
+        listed(Metric::has_map)
+    }
+}
+
+fn listed(which: impl Fn(Metric) -> bool) -> String {
+    let metrics = Metric::ALL.into_iter().filter(|m| which(*m));
+    metrics.map(Metric::name).collect::<Vec<_>>().join(", ")
 }
 
 impl fmt::Display for Metric {

@@ -9,13 +9,15 @@
 //! `structural_similarity(gaussian_weights=True, sigma=1.5, use_sample_covariance=False)` gives.
 
 use crate::image::check_pair;
-use crate::{Image, MetricsError, luminance};
+use crate::plane::Plane;
+use crate::{ErrorMap, Image, MetricsError, luminance};
 use rayon::prelude::*;
 
 /// Side of the window in pixels, and so the least width and height of an image.
 pub const SSIM_WINDOW: u32 = 11;
 
 const TAPS: usize = SSIM_WINDOW as usize;
+const BORDER: usize = TAPS / 2;
 const SIGMA: f64 = 1.5;
 const C1: f64 = 0.01 * 0.01;
 const C2: f64 = 0.03 * 0.03;
@@ -26,8 +28,8 @@ const C2: f64 = 0.03 * 0.03;
 /// # Errors
 /// As [`crate::mse`], and [`MetricsError::TooSmall`] below 11x11.
 pub fn ssim(image: &Image, reference: &Image) -> Result<f64, MetricsError> {
-    check(image, reference)?;
-    let channel = |c: usize| mean_ssim(image, reference, |p| f64::from(p[c]));
+    check_size(image, reference, "SSIM", SSIM_WINDOW)?;
+    let channel = |c: usize| Windows::of(&image.channel(c), &reference.channel(c)).mean_ssim();
     Ok((channel(0) + channel(1) + channel(2)) / 3.0)
 }
 
@@ -36,17 +38,44 @@ pub fn ssim(image: &Image, reference: &Image) -> Result<f64, MetricsError> {
 /// # Errors
 /// As [`ssim`].
 pub fn ssim_luma(image: &Image, reference: &Image) -> Result<f64, MetricsError> {
-    check(image, reference)?;
-    Ok(mean_ssim(image, reference, |&p| luminance(p)))
+    check_size(image, reference, "SSIM", SSIM_WINDOW)?;
+    let [x, r] = [image, reference].map(|image| image.plane(|&p| luminance(p)));
+    Ok(Windows::of(&x, &r).mean_ssim())
 }
 
-fn check(image: &Image, reference: &Image) -> Result<(), MetricsError> {
+/// 1 - SSIM of the window around each pixel, the mean of R, G and B; the borders repeat the nearest.
+pub(crate) fn ssim_map(image: &Image, reference: &Image) -> Result<ErrorMap, MetricsError> {
+    check_size(image, reference, "SSIM", SSIM_WINDOW)?;
+    let (width, height) = (image.width as usize, image.height as usize);
+    let mut data = vec![1.0; width * height];
+    for c in 0..3 {
+        let windows = Windows::of(&image.channel(c), &reference.channel(c));
+        data.par_iter_mut().enumerate().for_each(|(i, error)| {
+            let x = (i % width).clamp(BORDER, width - 1 - BORDER);
+            let y = (i / width).clamp(BORDER, height - 1 - BORDER);
+            let [light, contrast] = windows.factors(y * width + x);
+            *error -= light * contrast / 3.0;
+        });
+    }
+    Ok(ErrorMap {
+        width: image.width,
+        height: image.height,
+        data,
+    })
+}
+
+pub(crate) fn check_size(
+    image: &Image,
+    reference: &Image,
+    what: &'static str,
+    needed: u32,
+) -> Result<(), MetricsError> {
     check_pair(image, reference)?;
     let (width, height) = (image.width, image.height);
-    if width.min(height) < SSIM_WINDOW {
+    if width.min(height) < needed {
         return Err(MetricsError::TooSmall {
-            what: "SSIM",
-            needed: SSIM_WINDOW,
+            what,
+            needed,
             width,
             height,
         });
@@ -54,63 +83,74 @@ fn check(image: &Image, reference: &Image) -> Result<(), MetricsError> {
     Ok(())
 }
 
-fn mean_ssim(image: &Image, reference: &Image, f: impl Fn(&[f32; 3]) -> f64 + Sync) -> f64 {
-    let weights = gaussian();
-    let width = image.width as usize;
-    let mean = |g: &(dyn Fn(f64, f64) -> f64 + Sync)| {
-        let pixels = image.data.par_iter().zip(&reference.data);
-        let plane: Vec<f64> = pixels.map(|(x, r)| g(f(x), f(r))).collect();
-        blur(&plane, width, &weights)
-    };
-    let mu_x = mean(&|x, _| x);
-    let mu_r = mean(&|_, r| r);
-    let xx = mean(&|x, _| x * x);
-    let rr = mean(&|_, r| r * r);
-    let xr = mean(&|x, r| x * r);
-    let inner = width - (TAPS - 1);
-    let rows: Vec<f64> = (0..mu_x.len() / inner)
-        .into_par_iter()
-        .map(|y| {
-            let at = |i: usize| {
-                let (mx, mr) = (mu_x[i], mu_r[i]);
-                let (vx, vr, cov) = (xx[i] - mx * mx, rr[i] - mr * mr, xr[i] - mx * mr);
-                (2.0 * mx * mr + C1) * (2.0 * cov + C2)
-                    / ((mx * mx + mr * mr + C1) * (vx + vr + C2))
-            };
-            (y * inner..(y + 1) * inner).map(at).sum()
-        })
-        .collect();
-    rows.iter().sum::<f64>() / mu_x.len() as f64
+/// Means of x, r, x², r² and xr under the window around each pixel.
+pub(crate) struct Windows {
+    mu_x: Plane,
+    mu_r: Plane,
+    xx: Plane,
+    rr: Plane,
+    xr: Plane,
+}
+
+impl Windows {
+    pub fn of(x: &Plane, r: &Plane) -> Windows {
+        let weights = gaussian();
+        let mean = |g: fn(f64, f64) -> f64| {
+            let pairs = x.data.par_iter().zip(&r.data);
+            let data = pairs.map(|(&x, &r)| g(x, r)).collect();
+            let plane = Plane { data, ..*x };
+            plane.filter_rows(&weights).filter_columns(&weights)
+        };
+        Windows {
+            mu_x: mean(|x, _| x),
+            mu_r: mean(|_, r| r),
+            xx: mean(|x, _| x * x),
+            rr: mean(|_, r| r * r),
+            xr: mean(|x, r| x * r),
+        }
+    }
+
+    /// The two factors of SSIM at a pixel: of the means, and of contrast and structure.
+    fn factors(&self, i: usize) -> [f64; 2] {
+        let (mx, mr) = (self.mu_x.data[i], self.mu_r.data[i]);
+        let vx = self.xx.data[i] - mx * mx;
+        let vr = self.rr.data[i] - mr * mr;
+        let cov = self.xr.data[i] - mx * mr;
+        [
+            (2.0 * mx * mr + C1) / (mx * mx + mr * mr + C1),
+            (2.0 * cov + C2) / (vx + vr + C2),
+        ]
+    }
+
+    pub fn mean_ssim(&self) -> f64 {
+        self.mean(|[light, contrast]| light * contrast)
+    }
+
+    pub fn mean_contrast(&self) -> f64 {
+        self.mean(|[_, contrast]| contrast)
+    }
+
+    /// The mean over the positions where the window lies inside the image.
+    fn mean(&self, f: impl Fn([f64; 2]) -> f64 + Sync) -> f64 {
+        let width = self.mu_x.width;
+        let height = self.mu_x.data.len() / width;
+        let rows: Vec<f64> = (BORDER..height - BORDER)
+            .into_par_iter()
+            .map(|y| {
+                let row = y * width + BORDER..(y + 1) * width - BORDER;
+                row.map(|i| f(self.factors(i))).sum()
+            })
+            .collect();
+        rows.iter().sum::<f64>() / ((width - 2 * BORDER) * (height - 2 * BORDER)) as f64
+    }
 }
 
 /// One row of the separable window, which sums to 1.
 fn gaussian() -> [f64; TAPS] {
-    let centre = (TAPS / 2) as f64;
     let weights: [f64; TAPS] = std::array::from_fn(|i| {
-        let d = i as f64 - centre;
+        let d = i as f64 - BORDER as f64;
         (-d * d / (2.0 * SIGMA * SIGMA)).exp()
     });
     let sum: f64 = weights.iter().sum();
     weights.map(|w| w / sum)
-}
-
-/// The plane under the window, at the positions where the window lies inside it.
-fn blur(plane: &[f64], width: usize, weights: &[f64; TAPS]) -> Vec<f64> {
-    let inner = width - (TAPS - 1);
-    let dot = |taps: &[f64]| taps.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>();
-    let across: Vec<f64> = plane
-        .par_chunks(width)
-        .flat_map_iter(|row| row.windows(TAPS).map(dot))
-        .collect();
-    let rows = across.len() / inner - (TAPS - 1);
-    (0..rows)
-        .into_par_iter()
-        .flat_map_iter(|y| {
-            let across = &across;
-            (0..inner).map(move |x| {
-                let tap = |k: usize| across[(y + k) * inner + x] * weights[k];
-                (0..TAPS).map(tap).sum::<f64>()
-            })
-        })
-        .collect()
 }

@@ -1,37 +1,17 @@
-//! Known numbers: an analytic 64x64 pair whose metrics were computed by NumPy and scikit-image.
+//! Known numbers: an analytic 64x64 pair whose metrics were computed by NumPy and
+//! scikit-image, and images of other sizes.
 
+mod images;
+
+use images::{map, near, noise, noisy_pair, reference, test};
 use scumble_metrics::{
-    Image, MetricsError, Role, block_error, mse, psnr, relmse, rmse, ssim, ssim_luma,
+    Image, Metric, MetricsError, Role, block_error, energy, error_map, flip, hdr_flip, mape,
+    ms_ssim, mse, psnr, relmse, relmse_trimmed, rmse, smape, ssim, ssim_luma,
 };
-
-/// ref = (x/63, y/63, checker of 8), tst = clamp(0.9 ref + 0.05 sin(0.7x) cos(0.3y), 0, 1).
-fn reference(width: u32, height: u32) -> Image {
-    Image::from_fn(width, height, |x, y| {
-        let checker = f64::from((x / 8 + y / 8) % 2);
-        [f64::from(x) / 63.0, f64::from(y) / 63.0, checker].map(|v| v as f32)
-    })
-}
-
-fn test(width: u32, height: u32) -> Image {
-    Image::from_fn(width, height, |x, y| {
-        let checker = f64::from((x / 8 + y / 8) % 2);
-        let (x, y) = (f64::from(x), f64::from(y));
-        let wave = 0.05 * (0.7 * x).sin() * (0.3 * y).cos();
-        [x / 63.0, y / 63.0, checker].map(|v| (0.9 * v + wave).clamp(0.0, 1.0) as f32)
-    })
-}
 
 /// The expected numbers have nine or more digits; the images are equal to those they were computed
 /// from but for the last bit of a few f32 values (6e-8), which moves a mean by far less than this.
 const TOLERANCE: f64 = 1e-8;
-
-#[track_caller]
-fn near(value: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (value - expected).abs() <= tolerance,
-        "{value} is not {expected} ± {tolerance}"
-    );
-}
 
 #[test]
 fn the_analytic_pair() {
@@ -68,6 +48,113 @@ fn block_means_of_the_analytic_pair() {
     near(error.max, 0.099_213_141, TOLERANCE);
 }
 
+/// Numbers by a NumPy transcription of the definitions, in f64 from the same f32 values.
+#[test]
+fn relative_errors_of_any_size() {
+    for (width, height, numbers) in [
+        (
+            101,
+            63,
+            [
+                0.230_667_979_170,
+                1.588_224_607_422,
+                0.918_840_499_766,
+                1.457_844_086_484,
+                1.439_914_662_179,
+                0.992_436_354_271,
+            ],
+        ),
+        (
+            7,
+            2,
+            [
+                0.403_616_050_611,
+                4.435_375_486_190,
+                1.438_958_700_418,
+                4.885_690_849_245,
+                4.885_690_849_245,
+                4.885_690_849_245,
+            ],
+        ),
+    ] {
+        let [x, r] = noisy_pair(width, height).map(|image| map(&image, |v| v * v * 8.0));
+        let trimmed = |fraction| relmse_trimmed(&x, &r, fraction);
+        let found = [
+            smape(&x, &r),
+            mape(&x, &r),
+            energy(&x, &r),
+            relmse(&x, &r),
+            trimmed(0.001),
+            trimmed(0.05),
+        ];
+        for (found, expected) in found.into_iter().zip(numbers) {
+            near(found.unwrap(), expected, TOLERANCE);
+        }
+    }
+    let [x, r] = noisy_pair(1, 1).map(|image| map(&image, |v| v * v * 8.0));
+    near(smape(&x, &r).unwrap(), 0.969_158_831_637, TOLERANCE);
+    near(mape(&x, &r).unwrap(), 32.488_664_487_998, TOLERANCE);
+    // The one pixel of the reference is black.
+    assert!(matches!(
+        energy(&x, &r),
+        Err(MetricsError::BlackReference { .. })
+    ));
+    for fraction in [-0.1, 1.0, f64::NAN] {
+        assert!(matches!(
+            relmse_trimmed(&x, &r, fraction),
+            Err(MetricsError::Fraction { .. })
+        ));
+    }
+}
+
+/// Numbers by a NumPy transcription of the definition, in f64 from the same f32 values.
+#[test]
+fn five_scales() {
+    for (width, height, expected, one_scale) in [
+        (161, 161, 0.951_564_831_690, 0.869_692_951_596),
+        (163, 178, 0.951_588_318_646, 0.869_864_608_048),
+    ] {
+        let [x, r] = noisy_pair(width, height);
+        near(ms_ssim(&x, &r).unwrap(), expected, TOLERANCE);
+        near(ssim(&x, &r).unwrap(), one_scale, TOLERANCE);
+    }
+    let r = noise(170, 165, 3);
+    // Each scale's quotients have equal numerators and denominators up to f64 rounding.
+    near(ms_ssim(&r, &r).unwrap(), 1.0, 1e-12);
+    // What is inverted has a negative structure, which counts as none.
+    assert_eq!(ms_ssim(&map(&r, |v| 1.0 - v), &r).unwrap(), 0.0);
+}
+
+#[test]
+fn maps_have_the_mean_of_their_metric() {
+    let [x, r] = noisy_pair(45, 31);
+    for metric in Metric::ALL.into_iter().filter(|m| m.has_map()) {
+        let error = error_map(metric, &x, &r).unwrap();
+        assert_eq!(error.data.len(), 45 * 31);
+        let value = metric.evaluate(&x, &r);
+        match metric {
+            Metric::Rmse => near(
+                error.data.iter().map(|v| v * v).sum::<f64>() / (45.0 * 31.0),
+                mse(&x, &r).unwrap(),
+                TOLERANCE,
+            ),
+            // The mean over what is not border.
+            Metric::Ssim => {
+                let inner = (5..26).flat_map(|y| (5..40).map(move |x| (x, y)));
+                let sum: f64 = inner.map(|(x, y)| error.get(x, y).unwrap()).sum();
+                near(1.0 - sum / (35.0 * 21.0), value.unwrap(), TOLERANCE);
+                assert_eq!(error.get(0, 30), error.get(5, 25));
+            }
+            _ => near(error.mean(), value.unwrap(), TOLERANCE),
+        }
+    }
+    assert_eq!(
+        error_map(Metric::Psnr, &x, &r).unwrap_err().to_string(),
+        "psnr is of a whole image and has no map; \
+         there are maps of mse, rmse, relmse, ssim, flip, hdr_flip, smape, mape"
+    );
+}
+
 #[test]
 fn equal_images() {
     let r = reference(32, 32);
@@ -83,7 +170,10 @@ fn equal_images() {
 fn the_number_of_threads_changes_no_bit() {
     let (x, r) = (test(61, 47), reference(61, 47));
     let all = || {
-        let values = [mse, relmse, psnr, ssim, ssim_luma].map(|f| f(&x, &r).unwrap().to_bits());
+        let metrics = [
+            mse, relmse, psnr, ssim, ssim_luma, smape, energy, flip, hdr_flip,
+        ];
+        let values = metrics.map(|f| f(&x, &r).unwrap().to_bits());
         (values, block_error(&x, &r).unwrap())
     };
     let with = |threads| {
@@ -150,10 +240,8 @@ fn bad_pairs_are_refused() {
         "16x8 does not divide into blocks of 3x3"
     );
     assert_eq!(
-        "flip"
-            .parse::<scumble_metrics::Metric>()
-            .unwrap_err()
-            .to_string(),
-        "there is no metric `flip`; there are mse, rmse, relmse, psnr, ssim"
+        "lpips".parse::<Metric>().unwrap_err().to_string(),
+        "there is no metric `lpips`; \
+         there are mse, rmse, relmse, psnr, ssim, ms_ssim, flip, hdr_flip, smape, mape, energy"
     );
 }
