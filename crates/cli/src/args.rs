@@ -27,7 +27,7 @@ pub enum Verb {
     /// Say what is in a scene, or write it as glTF
     #[command(subcommand)]
     Scene(SceneVerb),
-    /// Measure how far an image is from a reference
+    /// Measure how far an image, or each of numbered frames, is from a reference
     Compare(CompareArgs),
 }
 
@@ -194,29 +194,49 @@ pub struct SceneExportArgs {
 
 /// mse, rmse, relmse, smape, mape, energy and hdr_flip (which exposes and tone maps by itself) are of
 /// linear values; psnr, ssim, ms_ssim and flip of values clamped to [0, 1] and sRGB-encoded. PNG files are
-/// decoded to linear first. ssim takes images from 11x11, ms_ssim from 161x161. In JSON the psnr of equal
-/// images, which is infinite, is null.
+/// decoded to linear first. ssim takes images from 11x11, ms_ssim from 161x161. Of numbered frames every
+/// metric is given as mean and worst, in JSON by frame too, with flicker: how much display luminance
+/// changes from frame to frame. In JSON the psnr of equal images, which is infinite, is null.
 #[derive(Args)]
 pub struct CompareArgs {
-    /// The image: .exr, .png, .hdr or .pfm
+    /// The image (.exr, .png, .hdr or .pfm), or numbered ones: a folder or a pattern such as
+    /// frame.####.exr
     #[arg(value_name = "A")]
     pub image: PathBuf,
-    /// The reference
+    /// The reference, or a numbered one for each; one image is the reference of all frames
     #[arg(value_name = "B")]
     pub reference: PathBuf,
     /// mse, rmse, relmse, psnr, ssim, ms_ssim, flip, hdr_flip, smape, mape or energy; may be given several
     /// times [default: all]
     #[arg(long)]
     pub metric: Vec<Metric>,
-    /// Exit with 1 where the metric, an error, is above this
+    /// Paint the error of each pixel by the first --metric, else by flip: a .png; of frames, a folder
+    #[arg(long, value_name = "PNG|DIR")]
+    pub map: Option<PathBuf>,
+    /// The map's colours
+    #[arg(long, value_enum, default_value = "magma", requires = "map")]
+    pub map_colors: MapColors,
+    /// The error that has the map's last colour [default: 1 for flip, hdr_flip and ssim (1 - SSIM), else
+    /// the 99th percentile of the first map]
+    #[arg(long, value_name = "X", requires = "map", value_parser = parse_positive)]
+    pub map_max: Option<f64>,
+    /// Exit with 1 where the metric, an error, is above this, in any frame; of energy, its distance from 1
     #[arg(long, value_name = "X", conflicts_with = "fail_below")]
     pub fail_above: Option<f64>,
-    /// Exit with 1 where the metric, a similarity, is below this
+    /// Exit with 1 where the metric, a similarity, is below this, in any frame
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub fail_below: Option<f64>,
     /// Write JSON
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum MapColors {
+    /// Black, purple, orange, pale yellow
+    Magma,
+    /// Purple, teal, green, yellow
+    Viridis,
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
@@ -234,6 +254,13 @@ fn parse_seconds(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
         _ => Err("give seconds, 0 or more".into()),
+    }
+}
+
+fn parse_positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("give a number above 0".into()),
     }
 }
 

@@ -83,4 +83,17 @@ pub enum Failure {
         "--fail-below is for similarities; of {metric} a smaller value is better: use --fail-above"
     )]
     FailBelowError { metric: scumble_metrics::Metric },
+    #[error("`{path}`: the map of an image is a .png", path = path.display())]
+    MapFile { path: PathBuf },
+    #[error("`{image}` is one image, and the reference is several frames", image = image.display())]
+    SeriesForOne { image: PathBuf },
+    #[error("there is no frame {number} in `{folder}`; there are {images} images and {references} references", folder = folder.display())]
+    MissingFrame {
+        folder: PathBuf,
+        number: u32,
+        images: usize,
+        references: usize,
+    },
+    #[error("frame {number}: {failure}")]
+    InFrame { number: u32, failure: Box<Failure> },
 }
