@@ -2,10 +2,10 @@
 
 use super::Physical;
 
-/// Bytes of a buffer to copy from. A row of the largest texture has at most half a MiB.
+/// Most bytes of a buffer to copy from. A row of the largest texture has at most half a MiB.
 const SIZE: u64 = 4 << 20;
 
-/// Buffers that hold one byte over and over, made when they are needed first.
+/// Buffers that hold one byte over and over, made when so much is needed first.
 #[derive(Default)]
 pub(crate) struct Patterns {
     made: Vec<(u8, wgpu::Buffer)>,
@@ -21,7 +21,12 @@ impl Patterns {
         to: &Physical,
         byte: u8,
     ) {
-        let pattern = self.pattern(device, byte);
+        let needed = match to {
+            Physical::Texture(texture, ..) => layer_bytes(texture),
+            Physical::Buffer(_, _, bytes) => *bytes,
+            Physical::None => 0,
+        };
+        let pattern = self.pattern(device, byte, needed);
         match to {
             Physical::Texture(texture, ..) => fill_texture(encoder, pattern, texture),
             Physical::Buffer(buffer, _, bytes) => {
@@ -34,17 +39,21 @@ impl Patterns {
         }
     }
 
-    fn pattern(&mut self, device: &wgpu::Device, byte: u8) -> &wgpu::Buffer {
+    /// A buffer of at least `needed` bytes, or of the most there are.
+    fn pattern(&mut self, device: &wgpu::Device, byte: u8, needed: u64) -> &wgpu::Buffer {
+        let size = needed.clamp(4, SIZE).next_power_of_two();
+        self.made
+            .retain(|(b, buffer)| *b != byte || buffer.size() >= size);
         let at = self.made.iter().position(|(b, _)| *b == byte);
         let at = at.unwrap_or_else(|| {
             let buffer = device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("framegraph pattern"),
-                size: SIZE,
+                size,
                 usage: wgpu::BufferUsages::COPY_SRC,
                 mapped_at_creation: true,
             });
             if let Ok(mut range) = buffer.get_mapped_range_mut(..) {
-                range.copy_from_slice(&vec![byte; SIZE as usize]);
+                range.copy_from_slice(&vec![byte; size as usize]);
             }
             buffer.unmap();
             self.made.push((byte, buffer));
@@ -52,6 +61,16 @@ impl Patterns {
         });
         &self.made[at].1
     }
+}
+
+/// Bytes of a layer of mip 0 in rows as copies want them, which is a band of it at most.
+fn layer_bytes(texture: &wgpu::Texture) -> u64 {
+    let format = texture.format();
+    let (block_width, block_height) = format.block_dimensions();
+    let block = u64::from(format.block_copy_size(None).unwrap_or(0));
+    let row = u64::from(texture.width().div_ceil(block_width)) * block;
+    let rows = u64::from(texture.height().div_ceil(block_height));
+    row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT.into()) * rows
 }
 
 fn fill_texture(
