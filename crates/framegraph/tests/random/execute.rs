@@ -202,6 +202,8 @@ pub struct Run<'a> {
     imports: Vec<Shape>,
     readback: wgpu::Buffer,
     observed: u32,
+    /// Frames that found their plan.
+    pub found: u64,
 }
 
 /// Records all frames, checking each plan; with `submit_each` every frame is submitted by itself.
@@ -287,6 +289,7 @@ pub fn run<'a>(
         imports: shapes.to_vec(),
         readback: readback.buffer,
         observed: want.observed.len() as u32,
+        found: pool.plans().found,
     })
 }
 

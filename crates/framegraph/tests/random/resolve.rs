@@ -308,13 +308,12 @@ impl Resolver {
     }
 
     fn input(&self, input: In, pick: u16, uses: &[Use]) -> Option<Use> {
-        let ranges = match input {
-            In::Texture | In::Storage => singles,
-            In::Layers => blocks,
-            In::Buffer => buffers,
-            In::Uniform => uniforms,
-        };
-        self.choose(pick, uses, Mode::Read, input_state(input), ranges)
+        self.choose(pick, uses, Mode::Read, input_state(input), ranges(input))
+    }
+
+    /// Whether what a node reads could be this input too.
+    fn fits(&self, input: In, u: &Use) -> bool {
+        ranges(input)(self.frame.resources[u.resource].shape).contains(&u.range)
     }
 
     fn output(&self, output: Out, pick: u16, uses: &[Use]) -> Option<Use> {
@@ -332,7 +331,17 @@ impl Resolver {
         let mut uses = Vec::new();
         let mut picks = picks.iter().copied().cycle();
         for &input in s.inputs {
-            uses.push(self.input(input, picks.next()?, &uses)?);
+            let pick = picks.next()?;
+            let chosen = self.input(input, pick, &uses)?;
+            // Now and then what the node reads already, perhaps in another way.
+            let again = uses.iter().find(|u| self.fits(input, u));
+            uses.push(match again {
+                Some(u) if pick % 4 == 0 => Use {
+                    state: chosen.state,
+                    ..u.clone()
+                },
+                _ => chosen,
+            });
         }
         for &output in s.outputs {
             uses.push(self.output(output, picks.next()?, &uses)?);
@@ -481,5 +490,15 @@ impl Resolver {
                 }
             }
         }
+    }
+}
+
+/// What an input may be of a resource.
+fn ranges(input: In) -> fn(Shape) -> Vec<Subresources> {
+    match input {
+        In::Texture | In::Storage => singles,
+        In::Layers => blocks,
+        In::Buffer => buffers,
+        In::Uniform => uniforms,
     }
 }
