@@ -26,9 +26,18 @@ macro_rules! codes {
         pub enum Code { $($(#[$doc])* $name,)* }
 
         impl Code {
+            /// All of them, errors first.
+            pub const ALL: &[Code] = &[$(Code::$name,)*];
+
             /// The stable number, such as `FG001`.
             pub fn as_str(self) -> &'static str {
                 match self { $(Code::$name => $text,)* }
+            }
+
+            /// The page about it, as Markdown: what it means, an example that causes it, what to do.
+            /// It is the file `docs/errors/FG….md` of this package.
+            pub fn explain(self) -> &'static str {
+                match self { $(Code::$name => include_str!(concat!("../docs/errors/", $text, ".md")),)* }
             }
         }
     };

@@ -194,11 +194,7 @@ impl<'p, 'f> Passes<'p, 'f> {
                 });
             }
             let in_pass = |y: &u32| self.runs[*y as usize] == run;
-            neighbour = neighbour.or(behind
-                .into_iter()
-                .filter(in_pass)
-                .next_back()
-                .map(|y| (x, y)));
+            neighbour = neighbour.or(behind.into_iter().rfind(in_pass).map(|y| (x, y)));
         }
         let waits = |x: u32, earlier: Option<u32>| Reason::Waits {
             later: name(last),
