@@ -20,6 +20,8 @@ pub enum Verb {
     Render(Box<RenderArgs>),
     /// Report every mistake of graph files, or what they resolve to
     Check(CheckArgs),
+    /// Draw what a graph becomes: nodes, resources, compute passes, lifetimes. Needs no adapter
+    Graph(GraphArgs),
     /// List the passes, or tell all about one: ports, parameters, source
     Passes(PassesArgs),
     /// List what there is to render on, the best first
@@ -143,6 +145,41 @@ pub struct CheckArgs {
     /// Write JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// The plan of one frame: which nodes the passes declare, in which order they run, which share a compute
+/// pass and why others do not, which version of which resource goes where, and how long it lives.
+#[derive(Args)]
+pub struct GraphArgs {
+    /// The graph file
+    pub graph: PathBuf,
+    /// svg is a picture for browsers, dot is for Graphviz, json for other tools, text to read and compare
+    #[arg(long, value_enum, default_value = "svg")]
+    pub format: PlanFormat,
+    /// Where to, instead of the standard output
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    pub size: [u32; 2],
+    /// The number of the frame. In frame 0 there is no history yet
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(..1000))]
+    pub frame: u32,
+    #[command(flatten)]
+    pub edits: EditArgs,
+    /// Set `max_bounces` of every pass that has it: indirect bounces, 0 for direct light only
+    #[arg(long, value_name = "N")]
+    pub max_bounces: Option<u32>,
+    #[command(flatten)]
+    pub scene: OptionalScene,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum PlanFormat {
+    Svg,
+    Dot,
+    Json,
+    Text,
 }
 
 #[derive(Args)]

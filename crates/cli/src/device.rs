@@ -97,6 +97,17 @@ impl Gpu {
         })
     }
 
+    /// A device that checks all and does nothing, for plans; every machine has it.
+    pub fn noop(required: wgpu::Features) -> Result<Gpu, Failure> {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = wgpu::Backends::NOOP;
+        descriptor.backend_options.noop = wgpu::NoopBackendOptions::enabled();
+        let options = wgpu::RequestAdapterOptions::default();
+        let adapter = wgpu::Instance::new(descriptor).request_adapter(&options);
+        let adapter = pollster::block_on(adapter).map_err(|_| Failure::NoAdapter)?;
+        Gpu::open(&adapter, required)
+    }
+
     pub fn has_timestamps(&self) -> bool {
         self.device.features().contains(TIMESTAMPS)
     }

@@ -60,6 +60,11 @@ pub enum Failure {
         folder: PathBuf,
         source: std::io::Error,
     },
+    #[error("cannot write `{path}`: {source}", path = path.display())]
+    Write {
+        path: PathBuf,
+        source: std::io::Error,
+    },
     #[error("`{path}` takes the graph's output `{needed}`, and `{graph}` has {there}", path = path.display(), graph = graph.display())]
     NoOutput {
         path: PathBuf,

@@ -52,6 +52,26 @@ pub fn resolve_with_bounces(
     resolve(path, registry, &edits).map_err(Failure::Graph)
 }
 
+/// A graph with inputs is a part of others; here nothing feeds it.
+pub fn refuse_parts(path: &Path, resolved: &Resolved) -> Result<(), Failure> {
+    let unfed: Vec<_> = resolved
+        .inputs
+        .iter()
+        .filter(|input| !input.optional)
+        .collect();
+    if unfed.is_empty() {
+        return Ok(());
+    }
+    let names: Vec<_> = unfed
+        .iter()
+        .map(|input| format!("`{}`", input.name))
+        .collect();
+    Err(Failure::Part {
+        graph: path.to_owned(),
+        inputs: names.join(", "),
+    })
+}
+
 pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     let registry = scumble_passes::registry();
     let adapter = match &args.adapter {

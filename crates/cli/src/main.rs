@@ -12,6 +12,7 @@ mod device;
 mod failure;
 mod graph;
 mod passes;
+mod picture;
 mod render;
 mod report;
 mod scene;
@@ -52,6 +53,7 @@ fn run(verb: &Verb) -> Result<Verdict, Failure> {
         Verb::Compare(args) => return compare::run(args),
         Verb::Render(args) => render::run(args),
         Verb::Check(args) => graph::check(args),
+        Verb::Graph(args) => picture::run(args),
         Verb::Passes(args) => passes::run(args),
         Verb::Adapters(args) => adapters::run(args),
         Verb::Scene(verb) => scene::run(verb),

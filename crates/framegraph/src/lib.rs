@@ -3,6 +3,7 @@
 mod compile;
 mod debug;
 mod desc;
+mod draw;
 mod encode;
 mod error;
 mod graph;
@@ -20,6 +21,7 @@ pub use desc::{
     First, FirstBuffer, FrameParams, HistoryBuffer, HistoryTexture, Load, Previous, Size,
     TextureDesc,
 };
+pub use draw::{NodeInfo, PassInfo, ResourceInfo, ResourceKind, Snapshot, UseInfo};
 pub use encode::Resources;
 pub use error::{Code, EncodeError, GraphError, GraphErrors, Site, Warning};
 pub use graph::{ComputeNode, ForeignNode, FrameGraph, HistoryInfo, RasterNode, Reset};

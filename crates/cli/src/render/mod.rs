@@ -24,7 +24,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let registry = scumble_passes::registry();
     let resolved =
         graph::resolve_with_bounces(&args.graph, &registry, &args.edits, args.max_bounces)?;
-    refuse_parts(args, &resolved)?;
+    graph::refuse_parts(&args.graph, &resolved)?;
     let targets = targets(args, &resolved)?;
 
     let requirements = Pipeline::requirements(&resolved);
@@ -65,26 +65,6 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     progress.finish_and_clear();
     run.tell(host.get::<GpuScene>());
     Ok(())
-}
-
-/// A graph with inputs is a part of others; here nothing feeds it.
-fn refuse_parts(args: &RenderArgs, resolved: &Resolved) -> Result<(), Failure> {
-    let unfed: Vec<_> = resolved
-        .inputs
-        .iter()
-        .filter(|input| !input.optional)
-        .collect();
-    if unfed.is_empty() {
-        return Ok(());
-    }
-    let names: Vec<_> = unfed
-        .iter()
-        .map(|input| format!("`{}`", input.name))
-        .collect();
-    Err(Failure::Part {
-        graph: args.graph.clone(),
-        inputs: names.join(", "),
-    })
 }
 
 fn targets(args: &RenderArgs, resolved: &Resolved) -> Result<Targets, Failure> {

@@ -16,6 +16,7 @@ mod steps;
 mod table;
 mod usage;
 
+pub(crate) use contents::describe;
 pub use hazards::{Edge, Hazard};
 pub(crate) use marks::Marks;
 pub(crate) use notices::Notice;
@@ -24,6 +25,7 @@ pub(crate) use plans::Plans;
 pub(crate) use schedule::{RingNeed, Schedule};
 pub(crate) use slots::{Class, ClassNeed, FOREVER, Slots, Tenant};
 pub(crate) use steps::groups_dispatches;
+pub(crate) use table::Table;
 
 use std::cell::OnceCell;
 use std::sync::{Arc, MutexGuard, PoisonError};
@@ -31,7 +33,6 @@ use std::sync::{Arc, MutexGuard, PoisonError};
 use crate::error::GraphErrors;
 use crate::graph::FrameGraph;
 use crate::plan::Plan;
-use table::Table;
 
 /// No writer yet, and no contents.
 pub(crate) const NONE: u32 = u32::MAX;

@@ -67,7 +67,7 @@ impl Pipeline {
         self.export(&mut graph);
         let plan = graph.compile()?;
         if self.keep_plan {
-            self.plan_text = Some(plan.to_string());
+            self.plan = Some(plan.snapshot());
         }
         plan.encode(encoder, &mut self.pool)?;
         Ok(())

@@ -53,7 +53,7 @@ pub struct Pipeline {
     restart: Option<&'static str>,
     lost: Arc<OnceLock<String>>,
     keep_plan: bool,
-    plan_text: Option<String>,
+    plan: Option<framegraph::Snapshot>,
 }
 
 /// One pass, ready to record.
@@ -133,7 +133,7 @@ impl Pipeline {
             restart: None,
             lost: Arc::default(),
             keep_plan: false,
-            plan_text: None,
+            plan: None,
         };
         pipeline.build_stale(host)?;
         Ok(pipeline)

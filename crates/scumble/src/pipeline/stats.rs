@@ -148,13 +148,13 @@ impl Pipeline {
         all.filter_map(history).collect()
     }
 
-    /// Whether [`Pipeline::plan_text`] is made for each frame; off at first, since it costs time.
-    pub fn keep_plan_text(&mut self, keep: bool) {
+    /// Whether [`Pipeline::plan`] is kept for each frame; off at first, since it costs time.
+    pub fn keep_plan(&mut self, keep: bool) {
         self.keep_plan = keep;
     }
 
-    /// The plan of the last frame as text, when [`Pipeline::keep_plan_text`] was on.
-    pub fn plan_text(&self) -> Option<&str> {
-        self.plan_text.as_deref()
+    /// The plan of the last frame, to print or to draw, when [`Pipeline::keep_plan`] was on.
+    pub fn plan(&self) -> Option<&framegraph::Snapshot> {
+        self.plan.as_ref()
     }
 }

@@ -126,7 +126,7 @@ fn passes_are_timed_and_report() {
         [16, 16],
     );
     rig.pipeline.debug().timestamps = true;
-    rig.pipeline.keep_plan_text(true);
+    rig.pipeline.keep_plan(true);
     rig.frame(0, "out");
     if device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
         let times = rig.pipeline.timings();
@@ -140,7 +140,7 @@ fn passes_are_timed_and_report() {
         .find(|r| (r.pass.as_str(), r.key) == ("ramp", "built"))
         .unwrap();
     assert_eq!(built.value, ReportValue::Number(1.0));
-    assert!(rig.pipeline.plan_text().unwrap().contains("blur/blur"));
+    assert!(rig.pipeline.plan().unwrap().text.contains("blur/blur"));
     let memory = rig.pipeline.memory();
     assert!(
         memory.transient >= 2 * 16 * 16 * 8,
