@@ -318,3 +318,44 @@ fn half_culled_histories() {
     run(&device, &queue, &mut pool, plan);
     assert_eq!(pool.history("h").unwrap().frames, 0);
 }
+
+/// **One texture imported twice.** As two resources it would have no hazards between them, and the copy and the
+/// bump could change places.
+/// ```text
+/// import t -> produce -> t.1      import t again -> t.1 -> copy -> x => export
+///                                                     \--> bump (the engine's)
+/// ```
+#[test]
+fn one_texture_imported_twice() {
+    let (device, queue, k, mut pool) = setup();
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d {
+            width: 64,
+            height: 64,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Float,
+        usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let mut fg = pool.frame(FRAME);
+    let first = fg.import_texture("t", &texture);
+    let written = produce(&mut fg, &k, "produce", first);
+    let again = fg.import_texture("t again", &texture);
+    assert_eq!(again, written);
+    let x = fg.texture("x", R32);
+    let x = fg.copy_texture("copy", again, x);
+    bump(&mut fg, &k, "bump", again);
+    fg.export_texture("x", x);
+    let plan = fg.compile().unwrap();
+    let edges: Vec<_> = plan.edges().iter().map(|e| (e.from, e.to)).collect();
+    assert!(
+        edges.contains(&(0, 1)) && edges.contains(&(1, 2)),
+        "{edges:?}"
+    );
+    run(&device, &queue, &mut pool, plan);
+}

@@ -111,6 +111,7 @@ pub(crate) enum Kind {
 }
 
 /// The engine's own.
+#[derive(PartialEq)]
 pub(crate) enum Import {
     Texture(wgpu::Texture),
     Buffer(wgpu::Buffer),
@@ -327,32 +328,52 @@ impl<'f> FrameGraph<'f> {
     }
 
     /// The engine's texture. It has contents; what the graph last writes to it is kept from culling.
-    /// Another texture of the same shape may come each frame, at no cost.
+    /// Another texture of the same shape may come each frame, at no cost. One that was imported before is the
+    /// same resource still, and its latest version is returned.
     #[track_caller]
     pub fn import_texture(&mut self, name: impl Into<Label>, texture: &wgpu::Texture) -> Texture {
-        let shape = Shape::of(texture);
-        let kind = self.import(Import::Texture(texture.clone()));
-        let raw = self.add(name.into(), kind, shape, 0, here());
-        self.resources[raw.resource as usize].allowed = texture.usage().bits();
-        Texture(raw)
+        let import = Import::Texture(texture.clone());
+        let (shape, usage) = (Shape::of(texture), texture.usage().bits());
+        Texture(self.import(name.into(), import, shape, usage, here()))
     }
 
     /// The engine's buffer. It has contents; what the graph last writes to it is kept from culling.
-    /// Another buffer of the same size may come each frame, at no cost.
+    /// Another buffer of the same size may come each frame, at no cost. One that was imported before is the
+    /// same resource still, and its latest version is returned.
     #[track_caller]
     pub fn import_buffer(&mut self, name: impl Into<Label>, buffer: &wgpu::Buffer) -> Buffer {
+        let import = Import::Buffer(buffer.clone());
         let shape = Shape::Buffer {
             bytes: buffer.size(),
         };
-        let kind = self.import(Import::Buffer(buffer.clone()));
-        let raw = self.add(name.into(), kind, shape, 0, here());
-        self.resources[raw.resource as usize].allowed = buffer.usage().bits();
-        Buffer(raw)
+        Buffer(self.import(name.into(), import, shape, buffer.usage().bits(), here()))
     }
 
-    fn import(&mut self, import: Import) -> Kind {
+    /// As two resources one texture would have no hazards between what is done to the one and the other.
+    fn import(
+        &mut self,
+        label: Label,
+        import: Import,
+        shape: Shape,
+        allowed: u32,
+        site: Site,
+    ) -> Raw {
+        if let Some(known) = self.imports.iter().position(|i| *i == import) {
+            let known = Kind::Imported(known as u32);
+            let mut resources = (0..).zip(&self.resources);
+            if let Some((resource, r)) = resources.find(|(_, r)| r.kind == known) {
+                return Raw {
+                    brand: self.brand,
+                    resource,
+                    version: r.latest,
+                };
+            }
+        }
         self.imports.push(import);
-        Kind::Imported(self.imports.len() as u32 - 1)
+        let kind = Kind::Imported(self.imports.len() as u32 - 1);
+        let raw = self.add(label, kind, shape, 0, site);
+        self.resources[raw.resource as usize].allowed = allowed;
+        raw
     }
 
     /// Keeps this version from culling and makes it available as

@@ -52,6 +52,8 @@ fn each(cases: u32, test: impl Fn(&Program) -> Result<(), String>) {
     for chunk in 0..cases.div_ceil(CHUNK.into()) {
         let mut runner = TestRunner::new(ProptestConfig {
             cases: CHUNK,
+            // The default is for so few cases too short to get far.
+            max_shrink_iters: 20_000,
             failure_persistence: None,
             rng_seed: RngSeed::Fixed(seed + chunk),
             ..ProptestConfig::default()
