@@ -215,6 +215,10 @@ pub enum EncodeError {
         "the pool's histories have changed since this graph was begun: begin, compile and encode one graph after the other"
     )]
     Outdated,
+    /// The device that the pool makes its resources on is lost: make the device, the kernels and the pool anew.
+    /// The pool knows it from [`Pool::device_lost_handler`](crate::Pool::device_lost_handler).
+    #[error("the device is lost: make the device, the kernels and the pool anew")]
+    DeviceLost,
 }
 
 /// The candidate nearest to `name`, when one is near enough to be a slip of the pen.

@@ -468,3 +468,36 @@ fn kernel_errors() {
     let big = "@compute @workgroup_size(4096) fn main() {}";
     assert!(matches!(make(big, "main"), KernelError::Device { .. }));
 }
+
+/// Once the pool is told of it, a lost device is an error value, whatever was declared before.
+#[test]
+fn a_lost_device_is_an_error() {
+    let (device, queue) = noop();
+    let (k, mut pool) = (Kernels::new(&device), Pool::new(&device, &queue));
+    device.set_device_lost_callback({
+        let tell = pool.device_lost_handler();
+        move |_, _| tell()
+    });
+    let mut fg = pool.frame(FRAME);
+    let a = fg.texture("a", R32);
+    let a = produce(&mut fg, &k, "produce", a);
+    fg.export_texture("a", a);
+    let plan = fg.compile().unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    device.destroy();
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    assert_eq!(
+        plan.encode(&mut encoder, &mut pool),
+        Err(EncodeError::DeviceLost)
+    );
+    // A pool on a device of its own goes on.
+    let (device, queue) = noop();
+    let (k, mut pool) = (Kernels::new(&device), Pool::new(&device, &queue));
+    let mut fg = pool.frame(FRAME);
+    let a = fg.texture("a", R32);
+    let a = produce(&mut fg, &k, "produce", a);
+    fg.export_texture("a", a);
+    let plan = fg.compile().unwrap();
+    run(&device, &queue, &mut pool, plan);
+    assert!(pool.exported_texture("a").is_some());
+}

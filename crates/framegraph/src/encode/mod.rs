@@ -5,6 +5,7 @@ mod debug;
 mod passes;
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 pub(crate) use bind::BoundGroups;
 
@@ -66,7 +67,8 @@ impl<'f> Plan<'f> {
     /// encoders in the order in which plans were encoded into them.
     ///
     /// # Errors
-    /// When the plan is of another pool, or a history it declares has changed since it was begun.
+    /// When the plan is of another pool, a history it declares has changed since it was begun, or the
+    /// device is lost.
     pub fn encode(
         mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -74,6 +76,9 @@ impl<'f> Plan<'f> {
     ) -> Result<(), EncodeError> {
         if self.graph.pool != pool.id {
             return Err(EncodeError::OtherPool);
+        }
+        if pool.lost.load(Ordering::Relaxed) {
+            return Err(EncodeError::DeviceLost);
         }
         if !self.graph.histories.is_empty() && !Arc::ptr_eq(&self.graph.states, &pool.states) {
             return Err(EncodeError::Outdated);

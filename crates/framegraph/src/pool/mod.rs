@@ -9,7 +9,7 @@ mod store;
 mod timer;
 mod upload;
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, PoisonError};
 
 pub(crate) use cache::{Cache, Hasher};
@@ -63,6 +63,7 @@ pub struct Pool {
     pub(crate) no_states: Arc<HistoryStates>,
     pub(crate) exports: Vec<(Label, Physical)>,
     frames: u64,
+    pub(crate) lost: Arc<AtomicBool>,
 }
 
 impl Pool {
@@ -94,7 +95,15 @@ impl Pool {
             no_states: Arc::default(),
             exports: Vec::new(),
             frames: 0,
+            lost: Arc::default(),
         }
+    }
+
+    /// Gives what tells this pool that its device is lost; from then on encoding is an error. A device
+    /// tells one listener, [`wgpu::Device::set_device_lost_callback`]: let it call this for each pool.
+    pub fn device_lost_handler(&self) -> impl Fn() + Send + Sync + 'static {
+        let lost = self.lost.clone();
+        move || lost.store(true, Ordering::Relaxed)
     }
 
     /// The levers; they act on graphs begun afterwards.
