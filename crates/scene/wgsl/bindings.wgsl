@@ -6,8 +6,8 @@
 // Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3.
 
 struct SceneInfo {
-    tlas_root: u32,          // index of a node, NONE when there is nothing to hit
-    instance_count: u32,
+    tlas_root: u32,          // index of a node of the BVH over the instances that move, or NONE
+    still_root: u32,         // index of a node of the BVH of what stands still, or NONE
     materials: u32,          // offset into scene_data, 5 each
     texture_slots: u32,      // offset, 3 each
     lights: u32,             // offset, 5 each: emissive triangles, then punctual lights
@@ -41,10 +41,11 @@ const NONE = 0xffffffffu;
 const INSTANCE_DOUBLE_SIDED = 1u;
 const INSTANCE_ALPHA_MASK = 2u;
 const INSTANCE_EMISSIVE = 4u;
+const TRIANGLE_MIRRORED = 8u;   // beside its instance's flags: carried to the world by a transform that mirrors
 
 @group(1) @binding(0) var<uniform> scene_info: SceneInfo;
 @group(1) @binding(1) var<storage, read> scene_nodes: array<vec4u>;          // 5 each
-@group(1) @binding(2) var<storage, read> scene_triangles: array<vec4u>;      // 3 each, leaf order: v0 and its scene-wide triangle, v0 - v1, v2 - v0
+@group(1) @binding(2) var<storage, read> scene_triangles: array<vec4u>;      // 3 each, leaf order: v0 and its scene-wide triangle; v0 - v1 and its instance or NONE; v2 - v0 and its flags
 @group(1) @binding(3) var<storage, read> scene_indices: array<u32>;          // 3 a triangle
 @group(1) @binding(4) var<storage, read> scene_vertices: array<vec4f>;       // 2 each: position and normal.x, normal.yz and uv
 @group(1) @binding(5) var<storage, read> scene_instances: array<SceneInstance>;

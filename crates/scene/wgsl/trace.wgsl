@@ -1,12 +1,14 @@
 // The one trace(): the nearest triangle a ray meets, or any.
 //
-// A two-level compressed wide BVH (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray
-// Traversal on GPUs Through Compressed Wide BVHs", sections 3 and 4): children are 8-bit boxes
-// q in the grid p + 2^e q of their node; a node is met where the slab test
+// Compressed wide BVHs (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs
+// Through Compressed Wide BVHs", sections 3 and 4): children are 8-bit boxes q in the grid
+// p + 2^e q of their node; a node is met where the slab test
 //   max_axis t_lo <= min_axis t_hi,  t = (p - o) / d + q 2^e / d
-// holds, and its children are visited by ray octant. Instances are entered by transforming the
-// ray, unnormalised, so that t means the same in both spaces. Triangles: Moeller and Trumbore
-// 1997, "Fast, Minimum Storage Ray/Triangle Intersection", in the form with n = (v0 - v1) x (v2 - v0).
+// holds, and its children are visited by ray octant. What stands still is one tree of world-space
+// triangles, walked first; then comes the tree over the instances that move. These are entered
+// by transforming the ray, unnormalised, so that t means the same in both spaces. Triangles:
+// Moeller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection", in the form with
+// n = (v0 - v1) x (v2 - v0).
 // Every call inlines into its kernel: have one call site, in a loop where more rays are needed.
 #include "scene/bindings.wgsl"
 #include "scene/geometry.wgsl"
@@ -30,6 +32,7 @@ const NO_HIT = 1e30;
 const RAY_CAMERA = 0u;    // nearest; the backs of single-sided surfaces are invisible
 const RAY_CLOSEST = 1u;   // nearest
 const RAY_ANY = 2u;       // any, for shadows: only whether t < NO_HIT means something
+const FIRST_INSTANCE = 0x80000000u; // primitives from here on are instances, those before are triangles
 const TRACE_STACK = 32u;  // entries; deeper scenes are refused when they are built
 
 // Rays traced by this invocation; a pass that counts rays writes it out.
@@ -84,10 +87,13 @@ fn trace(ray: Ray, mode: u32) -> Hit {
     var ground = 0u;            // of the stack in this level of the BVH
     // Groups are (base index, bits). Nodes have bits in the high byte and which children are
     // nodes in the low one; primitives have only the 24 low bits.
-    var nodes = vec2u(scene_info.tlas_root, select(0x80000000u, 0u, scene_info.tlas_root == NONE));
+    var nodes = vec2u(scene_info.still_root, select(0x80000000u, 0u, scene_info.still_root == NONE));
     var primitives = vec2u(0u);
-    var instance = NONE;        // NONE in the top level
-    var flags = 0u;
+    if scene_info.tlas_root != NONE {
+        stack[0] = vec2u(scene_info.tlas_root, 0x80000000u);
+        depth = 1u;
+    }
+    var instance = NONE;        // NONE in world space
     var origin = ray.origin;
     var direction = ray.direction;
     var inverse = inverse_direction(direction);
@@ -141,29 +147,33 @@ fn trace(ray: Ray, mode: u32) -> Hit {
                 primitives = vec2u(n1.y, hits & 0x00ffffffu);
             }
 
-            while instance != NONE && primitives.y != 0u && masked.instance == NONE {
+            while primitives.y != 0u && primitives.x < FIRST_INSTANCE && masked.instance == NONE {
                 let bit = firstLeadingBit(primitives.y);
                 primitives.y &= ~(1u << bit);
                 let leaf = 3u * (primitives.x + bit);
                 let t0 = scene_triangles[leaf];
-                let e1 = bitcast<vec3f>(scene_triangles[leaf + 1u].xyz);
-                let e2 = bitcast<vec3f>(scene_triangles[leaf + 2u].xyz);
+                let t1 = scene_triangles[leaf + 1u];
+                let t2 = scene_triangles[leaf + 2u];
+                let e1 = bitcast<vec3f>(t1.xyz);
+                let e2 = bitcast<vec3f>(t2.xyz);
+                let flags = t2.w;
                 let n = cross(e1, e2);
                 let c = bitcast<vec3f>(t0.xyz) - origin;
                 let r = cross(direction, c);
                 let det = dot(n, direction);
-                // Positive from the front, also in a mirrored instance: n . d is the same in any space.
-                let front = det > 0.0;
+                // Positive from the front, also where the ray was carried into a mirrored instance.
+                let front = (det > 0.0) == ((flags & TRIANGLE_MIRRORED) == 0u);
                 if abs(det) > 1e-36 && (front || mode != RAY_CAMERA || (flags & INSTANCE_DOUBLE_SIDED) != 0u) {
                     let inverse_det = 1.0 / det;
                     let uv = vec2f(dot(r, e2), dot(r, e1)) * inverse_det;
                     let t = dot(n, c) * inverse_det;
                     if uv.x >= 0.0 && uv.y >= 0.0 && uv.x + uv.y <= 1.0 && t >= ray.t_min && t < nearest {
+                        let owner = select(t1.w, instance, t1.w == NONE);
                         if (flags & INSTANCE_ALPHA_MASK) == 0u {
                             nearest = t;
-                            hit = Hit(t, instance, t0.w, uv, front);
+                            hit = Hit(t, owner, t0.w, uv, front);
                         } else {
-                            masked = Hit(t, instance, t0.w, uv, front);
+                            masked = Hit(t, owner, t0.w, uv, front);
                         }
                     }
                 }
@@ -176,7 +186,7 @@ fn trace(ray: Ray, mode: u32) -> Hit {
                 // Enter an instance; what else is to be visited up here waits on the stack.
                 let bit = firstLeadingBit(primitives.y);
                 primitives.y &= ~(1u << bit);
-                instance = scene_instances[primitives.x + bit].tlas_instance;
+                instance = scene_instances[primitives.x + bit - FIRST_INSTANCE].tlas_instance;
                 if primitives.y != 0u {
                     stack[depth] = primitives;
                     depth += 1u;
@@ -186,7 +196,6 @@ fn trace(ray: Ray, mode: u32) -> Hit {
                     depth += 1u;
                 }
                 ground = depth;
-                flags = scene_instances[instance].flags;
                 origin = transform_point(scene_instances[instance].object_from_world, ray.origin);
                 direction = transform_direction(scene_instances[instance].object_from_world, ray.direction);
                 primitives = vec2u(0u);

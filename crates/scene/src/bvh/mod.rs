@@ -1,4 +1,5 @@
-//! Building the two-level BVH: one compressed wide BVH per mesh, one over the instances.
+//! Building compressed wide BVHs: one over all that stands still, and in two levels one per mesh
+//! that moves and one over their instances.
 //!
 //! Node layout and traversal: Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on
 //! GPUs Through Compressed Wide BVHs". Built by `obvhs` (parallel locally-ordered clustering,
@@ -65,7 +66,7 @@ impl Bvh {
                 v2: corner(c),
             })
             .collect();
-        Self::build(&triangles, quality)
+        Self::over(&triangles, quality)
     }
 
     /// Over boxes; `None` when there are none.
@@ -80,10 +81,11 @@ impl Bvh {
                 v2: b.min,
             })
             .collect();
-        Self::build(&triangles, quality)
+        Self::over(&triangles, quality)
     }
 
-    fn build(triangles: &[Triangle], quality: BuildQuality) -> Option<Self> {
+    /// Over triangles given by their corners; `None` when there are none.
+    pub fn over(triangles: &[Triangle], quality: BuildQuality) -> Option<Self> {
         if triangles.is_empty() {
             return None;
         }

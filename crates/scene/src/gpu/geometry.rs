@@ -2,6 +2,8 @@
 
 use super::GpuSceneError;
 use super::layout::NONE;
+use super::materials;
+use super::still::Still;
 use crate::bvh::{BuildQuality, Bvh};
 use crate::{Deformed, Mesh, Scene};
 use glam::{Vec2, Vec3};
@@ -11,7 +13,8 @@ use rayon::prelude::*;
 /// Entries of the traversal stack, `TRACE_STACK` of `scene/trace.wgsl`.
 const TRACE_STACK: u32 = 32;
 
-/// A triangle in leaf order: v0 and its scene-wide index, v0 - v1, v2 - v0.
+/// A triangle in leaf order: v0 and its scene-wide index, v0 - v1 and the instance it belongs to,
+/// v2 - v0 and its flags.
 pub(crate) type LeafTriangle = [u32; 12];
 
 /// Bytes of a triangle in leaf order.
@@ -28,6 +31,8 @@ pub(crate) const VERTEX_BYTES: u64 = 32;
 pub(crate) struct MeshPlace {
     pub first_triangle: u32,
     pub triangle_count: u32,
+    /// Where its own tree's leaves start; meaningless without one.
+    pub first_leaf: u32,
     pub first_vertex: u32,
     /// Of its tangents from the first tangent of the scene; `NONE` when it has none.
     pub tangents: u32,
@@ -67,20 +72,25 @@ pub(crate) fn deforming(scene: &Scene) -> Vec<bool> {
     deforms
 }
 
-/// Flattens the meshes and builds the BVH of those that do not deform; the others' places in
-/// the lists are left zero.
+/// Flattens the meshes and builds the BVH of those that do not deform, as far as one of their
+/// instances is not in `still`; the places of those that do are left zero. The triangles of
+/// `still` stand behind all others; its root comes last.
 pub(crate) fn flatten(
     scene: &Scene,
+    still: &Still,
     quality: BuildQuality,
-) -> Result<(Vec<MeshPlace>, Lists), GpuSceneError> {
+) -> Result<(Vec<MeshPlace>, Lists, u32), GpuSceneError> {
     let deforms = deforming(scene);
+    let mut own_tree = vec![false; scene.meshes.len()];
+    for (instance, still) in scene.instances.iter().zip(&still.instances) {
+        own_tree[instance.mesh as usize] |= !still;
+    }
     let trees: Vec<Option<Bvh>> = scene
         .meshes
         .par_iter()
-        .zip(&deforms)
-        .map(|(mesh, deforms)| {
-            let still = !deforms;
-            still
+        .zip(deforms.par_iter().zip(&own_tree))
+        .map(|(mesh, (deforms, own_tree))| {
+            (*own_tree && !deforms)
                 .then(|| Bvh::over_triangles(&mesh.positions, &mesh.indices, quality))
                 .flatten()
         })
@@ -89,7 +99,7 @@ pub(crate) fn flatten(
     let vertex_total: usize = scene.meshes.iter().map(|m| m.positions.len()).sum();
     let mut lists = Lists {
         nodes: Vec::new(),
-        triangles: Vec::with_capacity(triangle_total),
+        triangles: Vec::new(),
         indices: Vec::with_capacity(3 * triangle_total),
         vertices: Vec::with_capacity(vertex_total),
         tangents: 0,
@@ -97,20 +107,29 @@ pub(crate) fn flatten(
     };
     let mut places = Vec::with_capacity(scene.meshes.len());
     for ((mesh, tree), deforms) in scene.meshes.iter().zip(&trees).zip(deforms) {
-        places.push(append(&mut lists, mesh, tree.as_ref(), deforms)?);
+        let flags = materials::flags(&scene.materials[mesh.material as usize]);
+        places.push(append(&mut lists, mesh, tree.as_ref(), flags, deforms)?);
     }
-    Ok((places, lists))
+    let first = lists.triangles.len() as u32;
+    lists.triangles.extend(&still.triangles);
+    let root = match &still.tree {
+        Some(tree) => tree.append_to(&mut lists.nodes, 0, first),
+        None => NONE,
+    };
+    Ok((places, lists, root))
 }
 
 fn append(
     lists: &mut Lists,
     mesh: &Mesh,
     tree: Option<&Bvh>,
+    flags: u32,
     deforms: bool,
 ) -> Result<MeshPlace, GpuSceneError> {
     let mut place = MeshPlace {
-        first_triangle: lists.triangles.len() as u32,
+        first_triangle: (lists.indices.len() / 3) as u32,
         triangle_count: mesh.indices.len() as u32,
+        first_leaf: lists.triangles.len() as u32,
         first_vertex: lists.vertices.len() as u32,
         tangents: NONE,
         previous: NONE,
@@ -124,29 +143,31 @@ fn append(
         place.tangents = lists.tangents;
         lists.tangents += mesh.tangents.len() as u32;
     }
-    if let Some(tree) = tree {
+    if !deforms {
         lists
             .vertices
             .extend(vertex_records(&mesh.positions, &mesh.normals, &mesh.uvs));
+    }
+    if let Some(tree) = tree {
         lists.triangles.extend(leaf_triangles(
             tree,
             &mesh.positions,
             &mesh.indices,
             place.first_triangle,
+            flags,
         ));
         place.tree = Some(Tree {
-            root: tree.append_to(&mut lists.nodes, 0, place.first_triangle),
+            root: tree.append_to(&mut lists.nodes, 0, place.first_leaf),
             bounds: tree.bounds,
             depth: tree.depth,
         });
         check_depth(&mesh.name, 0, tree.depth)?;
-    } else {
+    }
+    if deforms {
         let vertices = lists.vertices.len() + mesh.positions.len();
         lists.vertices.resize(vertices, [0.0; 8]);
         let triangles = lists.triangles.len() + mesh.indices.len();
         lists.triangles.resize(triangles, [0; 12]);
-    }
-    if deforms {
         place.previous = lists.previous;
         lists.previous += mesh.positions.len() as u32;
     }
@@ -167,26 +188,36 @@ pub(crate) fn check_depth(what: &str, top: u32, depth: u32) -> Result<(), GpuSce
     Ok(())
 }
 
-/// Triangles in the order of the leaves.
+/// Triangles of a mesh in the order of its leaves.
 pub(crate) fn leaf_triangles(
     tree: &Bvh,
     positions: &[Vec3],
     indices: &[[u32; 3]],
     first_triangle: u32,
+    flags: u32,
 ) -> Vec<LeafTriangle> {
     tree.order
         .par_iter()
         .map(|&triangle| {
-            let [v0, v1, v2] = indices[triangle as usize].map(|i| positions[i as usize]);
-            let word = |v: Vec3, last: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), last];
-            let words = [
-                word(v0, first_triangle + triangle),
-                word(v0 - v1, 0),
-                word(v2 - v0, 0),
-            ];
-            bytemuck::cast(words)
+            let corners = indices[triangle as usize].map(|i| positions[i as usize]);
+            leaf_triangle(corners, first_triangle + triangle, NONE, flags)
         })
         .collect()
+}
+
+/// A triangle as traversal reads it. Its instance is `NONE` where the ray was carried into one.
+pub(crate) fn leaf_triangle(
+    [v0, v1, v2]: [Vec3; 3],
+    triangle: u32,
+    instance: u32,
+    flags: u32,
+) -> LeafTriangle {
+    let word = |v: Vec3, last: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), last];
+    bytemuck::cast([
+        word(v0, triangle),
+        word(v0 - v1, instance),
+        word(v2 - v0, flags),
+    ])
 }
 
 /// Vertices as the GPU reads them.

@@ -16,7 +16,7 @@ pub(crate) const STORAGE_BUFFERS: u32 = 6;
 #[repr(C)]
 pub(crate) struct Info {
     pub tlas_root: u32,
-    pub instance_count: u32,
+    pub still_root: u32,
     pub materials: u32,
     pub texture_slots: u32,
     pub lights: u32,
@@ -47,6 +47,12 @@ pub(crate) struct InstanceRecord {
     pub tangents: u32,
     pub tlas_instance: u32,
     pub padding: [u32; 2],
+}
+
+/// Whether a transform keeps volume, so that rays can be carried to object space.
+pub(crate) fn invertible(transform: &Affine3A) -> bool {
+    let inverse = transform.inverse();
+    transform.is_finite() && inverse.is_finite() && transform.matrix3.determinant() != 0.0
 }
 
 /// The three rows of an affine matrix.

@@ -46,6 +46,9 @@ pub(crate) fn materials(scene: &Scene, places: &[Option<Place>]) -> Materials {
     data
 }
 
+/// `TRIANGLE_MIRRORED` of `scene/bindings.wgsl`.
+pub(crate) const MIRRORED: u32 = 8;
+
 /// `INSTANCE_*` of `scene/bindings.wgsl`.
 pub(crate) fn flags(m: &Material) -> u32 {
     u32::from(m.double_sided)

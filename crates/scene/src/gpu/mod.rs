@@ -12,6 +12,7 @@ mod layout;
 mod lights;
 mod materials;
 mod sky;
+mod still;
 mod store;
 mod update;
 mod wgsl;
@@ -28,6 +29,7 @@ use lights::LIGHT_WORDS;
 use materials::Word;
 use sky::SkyData;
 use std::sync::Arc;
+use still::Still;
 use store::Store;
 
 /// What to draw of one instance with `scene/vertex.wgsl`.
@@ -48,10 +50,23 @@ pub struct Draw {
 }
 
 /// How a scene is put on the GPU.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GpuSceneOptions {
     /// How much time the BVH of a mesh may take, once.
     pub quality: BuildQuality,
+    /// How many triangles of meshes placed more than once may be copied, of 48 bytes each, so
+    /// that rays walk one BVH of all that stands still; the device may have room for fewer. 0
+    /// keeps a two-level BVH throughout.
+    pub still_triangles: u32,
+}
+
+impl Default for GpuSceneOptions {
+    fn default() -> Self {
+        Self {
+            quality: BuildQuality::default(),
+            still_triangles: 1 << 21,
+        }
+    }
 }
 
 /// A scene on the GPU.
@@ -81,6 +96,10 @@ pub struct GpuScene {
     texture_bytes: u64,
     /// Nodes that are built once; the others follow them.
     still_nodes: u32,
+    /// Root of the BVH of what stands still, or `NONE`.
+    still_root: u32,
+    /// Of each instance, whether it is in that BVH.
+    still: Vec<bool>,
     places: Vec<MeshPlace>,
     sections: Sections,
     sky_data: SkyData,
@@ -152,7 +171,10 @@ impl GpuScene {
         for warning in &warnings {
             tracing::warn!("{warning}");
         }
-        let (places, lists) = geometry::flatten(&scene, options.quality)?;
+        let pose = scene.pose(0.0);
+        let budget = options.still_triangles.min(room_for_copies(device, &scene));
+        let still = Still::new(&scene, &pose.instances, budget, options.quality)?;
+        let (places, lists, still_root) = geometry::flatten(&scene, &still, options.quality)?;
         let (sections, words) = data_words(&scene, &atlas, &sky_data, &places, &lists);
 
         let still_nodes = (lists.nodes.len() * 4) as u64 / crate::bvh::NODE_BYTES;
@@ -213,6 +235,8 @@ impl GpuScene {
             sky,
             texture_bytes,
             still_nodes: still_nodes as u32,
+            still_root,
+            still: still.instances,
             places,
             sections,
             sky_data,
@@ -223,7 +247,7 @@ impl GpuScene {
             state: State::default(),
             revision: 0,
         };
-        gpu.pose_first()?;
+        gpu.pose_first(pose)?;
         Ok(gpu)
     }
 
@@ -334,6 +358,13 @@ fn data_words(
     words.resize(sections.lights as usize + lights, [0; 4]);
     debug_assert_eq!(places.len(), scene.meshes.len());
     (sections, words)
+}
+
+/// How many triangles can be bound beside one copy of each.
+fn room_for_copies(device: &wgpu::Device, scene: &Scene) -> u32 {
+    let triangles: u64 = scene.meshes.iter().map(|m| m.indices.len() as u64).sum();
+    let room = store::limit_of(device).0 / geometry::TRIANGLE_BYTES;
+    u32::try_from(room.saturating_sub(triangles)).unwrap_or(u32::MAX)
 }
 
 fn sky_texture(device: &wgpu::Device, queue: &wgpu::Queue, sky: &SkyData) -> wgpu::Texture {

@@ -69,7 +69,8 @@ impl Store {
     }
 }
 
-fn limit_of(device: &wgpu::Device) -> (u64, &'static str) {
+/// The largest buffer that can be bound, and which limit says so.
+pub(crate) fn limit_of(device: &wgpu::Device) -> (u64, &'static str) {
     let limits = device.limits();
     if limits.max_buffer_size < limits.max_storage_buffer_binding_size {
         (limits.max_buffer_size, "max_buffer_size")

@@ -1,12 +1,15 @@
 //! Posing a scene: transforms, deformed meshes, the top level of the BVH, lights.
 
 use super::geometry::{self, Tree, check_depth, leaf_triangles, posed, vertex_records};
-use super::layout::{Info, InstanceRecord, NONE, rows};
+use super::layout::{Info, InstanceRecord, NONE, invertible, rows};
 use super::lights::{LightList, Lights};
 use super::{Draw, GpuScene, GpuSceneError, State, materials};
 use crate::bvh::{BuildQuality, Bvh, NODE_BYTES, transformed_bounds};
 use crate::{Deformed, Mesh, Pose};
 use glam::{Affine3A, Vec3};
+
+/// `FIRST_INSTANCE` of `scene/trace.wgsl`.
+const FIRST_INSTANCE: u32 = 1 << 31;
 
 /// Bytes of a word of `scene_data`.
 const WORD: u64 = 16;
@@ -44,9 +47,8 @@ impl GpuScene {
         Ok(())
     }
 
-    /// The pose of a new scene.
-    pub(super) fn pose_first(&mut self) -> Result<(), GpuSceneError> {
-        let pose = self.scene.pose(0.0);
+    /// Puts the first pose, that of time 0, on the GPU.
+    pub(super) fn pose_first(&mut self, pose: Pose) -> Result<(), GpuSceneError> {
         let previous = self
             .scene
             .instances
@@ -135,13 +137,19 @@ impl GpuScene {
             return Ok(());
         };
         check_depth(&mesh.name, 0, tree.depth)?;
-        let first = place.first_triangle;
+        let first = place.first_leaf;
         place.tree = Some(Tree {
             root: tree.append_to(tail, self.still_nodes, first),
             bounds: tree.bounds,
             depth: tree.depth,
         });
-        let triangles = leaf_triangles(&tree, &deformed.positions, &mesh.indices, first);
+        let triangles = leaf_triangles(
+            &tree,
+            &deformed.positions,
+            &mesh.indices,
+            place.first_triangle,
+            materials::flags(&self.scene.materials[mesh.material as usize]),
+        );
         self.triangles.write(
             &self.queue,
             u64::from(first) * geometry::TRIANGLE_BYTES,
@@ -187,20 +195,26 @@ impl GpuScene {
             .instances
             .iter()
             .zip(transforms)
-            .map(|(instance, (now, previous))| {
+            .zip(&self.still)
+            .map(|((instance, (now, previous)), still)| {
                 let mesh = &self.scene.meshes[instance.mesh as usize];
                 let place = &self.places[instance.mesh as usize];
                 let offset = |base: u32, at: u32| if at == NONE { NONE } else { base + at };
-                let seen = place.tree.filter(|_| invertible(now));
+                let root = if *still {
+                    self.still_root
+                } else {
+                    place.tree.map_or(NONE, |tree| tree.root)
+                };
+                let seen = root != NONE && invertible(now);
                 InstanceRecord {
-                    object_from_world: if seen.is_some() {
+                    object_from_world: if seen {
                         rows(&now.inverse())
                     } else {
                         [[0.0; 4]; 3]
                     },
                     world_from_object: rows(now),
                     previous_world_from_object: rows(previous),
-                    root: seen.map_or(NONE, |tree| tree.root),
+                    root: if seen { root } else { NONE },
                     first_triangle: place.first_triangle,
                     triangle_count: place.triangle_count,
                     material: mesh.material,
@@ -225,7 +239,7 @@ impl GpuScene {
         let (mut seen, mut boxes, mut deepest) = (Vec::new(), Vec::new(), 0);
         for (i, record) in records.iter().enumerate() {
             let tree = self.places[self.scene.instances[i].mesh as usize].tree;
-            if let Some(tree) = tree.filter(|_| record.root != NONE) {
+            if let Some(tree) = tree.filter(|_| record.root != NONE && !self.still[i]) {
                 seen.push(i as u32);
                 boxes.push(transformed_bounds(&tree.bounds, &self.state.transforms[i]));
                 deepest = deepest.max(tree.depth);
@@ -238,7 +252,7 @@ impl GpuScene {
         for (leaf, &i) in top.order.iter().enumerate() {
             records[leaf].tlas_instance = seen[i as usize];
         }
-        Ok(top.append_to(tail, self.still_nodes, 0))
+        Ok(top.append_to(tail, self.still_nodes, FIRST_INSTANCE))
     }
 
     fn collect_lights(&self, records: &mut [InstanceRecord]) -> LightList {
@@ -276,7 +290,7 @@ impl GpuScene {
         let sections = &self.sections;
         let info = Info {
             tlas_root,
-            instance_count: self.scene.instances.len() as u32,
+            still_root: self.still_root,
             materials: sections.materials,
             texture_slots: sections.slots,
             lights: sections.lights,
@@ -309,10 +323,4 @@ impl GpuScene {
             })
             .collect()
     }
-}
-
-/// Whether a transform keeps volume, so that rays can be carried to object space.
-fn invertible(transform: &Affine3A) -> bool {
-    let inverse = transform.inverse();
-    transform.is_finite() && inverse.is_finite() && transform.matrix3.determinant() != 0.0
 }

@@ -50,9 +50,15 @@ fn resolve(source: &str, seen: &mut HashSet<String>, out: &mut String) {
 }
 
 pub fn gpu_scene(scene: Scene) -> Option<GpuScene> {
+    gpu_scene_with(scene, GpuSceneOptions::default().still_triangles)
+}
+
+/// With a limit to what is put into one BVH.
+pub fn gpu_scene_with(scene: Scene, still_triangles: u32) -> Option<GpuScene> {
     let (device, queue) = device()?;
     let options = GpuSceneOptions {
         quality: BuildQuality::VeryFast,
+        still_triangles,
     };
     Some(GpuScene::with_options(device, queue, Arc::new(scene), options).expect("scene"))
 }
