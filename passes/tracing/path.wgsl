@@ -53,8 +53,8 @@ fn scaled(t: Throughput, by: vec3f) -> Throughput {
     return Throughput(t.irradiance * by, t.specular * by);
 }
 
-// Steps alternate: an even step tests the light sampled at a vertex, the odd step after it goes on to the next vertex.
-// One call of trace() serves both.
+// At each vertex two rays: one tests the light sampled there, one goes on to the next vertex. One call of trace() serves
+// both, and all shading is done before and after it, once a vertex.
 fn trace_path(start: Vertex, settings: PathSettings, rng: ptr<function, Rng>) -> PathSample {
     var sum = PathSample(vec3f(0.0), vec3f(0.0), NO_HIT);
     var vertex = start;
@@ -62,75 +62,78 @@ fn trace_path(start: Vertex, settings: PathSettings, rng: ptr<function, Rng>) ->
     let bounces = select(0u, settings.max_bounces, settings.indirect);
     let first_sky = select(settings.indirect, settings.direct, settings.sky_is_direct);
 
-    for (var step = 0u; step < 2u * (bounces + 1u); step++) {
-        let first = step < 2u;
-        let is_shadow = (step & 1u) == 0u;
+    for (var bounce = 0u; bounce <= bounces; bounce++) {
+        let first = bounce == 0u;
         let with_lights = !first || settings.direct;
         let with_sky = !first || first_sky;
 
-        var ray = Ray(vertex.origin, 0.0, vec3f(0.0, 1.0, 0.0), 0.0);
+        // A ray of no length is not traced.
+        var shadow = Ray(vertex.origin, 0.0, vec3f(0.0, 1.0, 0.0), 0.0);
         var gain = Throughput(vec3f(0.0), vec3f(0.0));
-        var pdf = 0.0;
-        if is_shadow {
-            let light = light_sample(vertex.origin, rng_3(rng), with_sky);
-            let is_sky = !light.is_delta && light.distance >= LIGHT_FAR;
-            if light.pdf > 0.0 && select(with_lights, with_sky, is_sky) {
-                let f = brdf_eval(vertex.brdf, light.direction);
-                let weight = select(power_heuristic(light.pdf, f.pdf), 1.0, light.is_delta);
-                gain = scaled(through(carried, first, vertex.brdf.albedo, f), light.radiance * (weight / light.pdf));
-                let most = max(gain.irradiance, gain.specular);
-                ray.direction = light.direction;
-                ray.t_max = select(0.0, light.distance * SHADOW_END, most.x + most.y + most.z > 0.0);
-            }
-        } else {
-            ray.direction = brdf_sample(vertex.brdf, rng_3(rng));
-            let f = brdf_eval(vertex.brdf, ray.direction);
-            pdf = f.pdf;
-            if pdf > 0.0 {
-                carried = scaled(through(carried, first, vertex.brdf.albedo, f), vec3f(1.0 / pdf));
-                ray.t_max = NO_HIT;
-            }
+        let light = light_sample(vertex.origin, rng_3(rng), with_sky);
+        let is_sky = !light.is_delta && light.distance >= LIGHT_FAR;
+        if light.pdf > 0.0 && select(with_lights, with_sky, is_sky) {
+            let f = brdf_eval(vertex.brdf, light.direction);
+            let weight = select(power_heuristic(light.pdf, f.pdf), 1.0, light.is_delta);
+            gain = scaled(through(carried, first, vertex.brdf.albedo, f), light.radiance * (weight / light.pdf));
+            let most = max(gain.irradiance, gain.specular);
+            shadow.direction = light.direction;
+            shadow.t_max = select(0.0, light.distance * SHADOW_END, most.x + most.y + most.z > 0.0);
         }
 
-        if ray.t_max <= 0.0 {
-            // Nothing to test: without a light sample the path goes on, without a direction it ends.
-            if is_shadow {
-                continue;
-            }
-            break;
+        var next = Ray(vertex.origin, 0.0, brdf_sample(vertex.brdf, rng_3(rng)), 0.0);
+        let f = brdf_eval(vertex.brdf, next.direction);
+        if f.pdf > 0.0 {
+            carried = scaled(through(carried, first, vertex.brdf.albedo, f), vec3f(1.0 / f.pdf));
+            next.t_max = NO_HIT;
         }
-        let hit = trace(ray, select(RAY_CLOSEST, RAY_ANY, is_shadow));
-        let missed = hit.t >= NO_HIT;
-        if is_shadow {
-            if missed {
+
+        var hit = Hit(NO_HIT, NONE, NONE, vec2f(0.0), true);
+        var is_shadow = shadow.t_max > 0.0;
+        loop {
+            var ray = next;
+            if is_shadow {
+                ray = shadow;
+            }
+            if ray.t_max <= 0.0 {
+                break;
+            }
+            hit = trace(ray, select(RAY_CLOSEST, RAY_ANY, is_shadow));
+            if !is_shadow {
+                break;
+            }
+            if hit.t >= NO_HIT {
                 sum.irradiance += gain.irradiance;
                 sum.specular += gain.specular;
             }
-            continue;
+            is_shadow = false;
+        }
+        if next.t_max <= 0.0 {
+            break;
         }
 
         if first {
             sum.first_t = hit.t;
         }
-        if missed {
+        if hit.t >= NO_HIT {
             if with_sky {
-                let light = sky_radiance(ray.direction) * power_heuristic(pdf, sky_pdf(ray.direction));
+                let light = sky_radiance(next.direction) * power_heuristic(f.pdf, sky_pdf(next.direction));
                 sum.irradiance += carried.irradiance * light;
                 sum.specular += carried.specular * light;
             }
             break;
         }
-        let s = surface_at(ray, hit);
+        let s = surface_at(next, hit);
         if with_lights && any(s.emission > vec3f(0.0)) {
-            let other = light_pdf(vertex.origin, ray, hit, with_sky);
-            let light = s.emission * power_heuristic(pdf, other);
+            let other = light_pdf(vertex.origin, next, hit, with_sky);
+            let light = s.emission * power_heuristic(f.pdf, other);
             sum.irradiance += carried.irradiance * light;
             sum.specular += carried.specular * light;
         }
         if s.black {
             break;
         }
-        vertex.brdf = brdf_new(s.normal, s.geo_normal, -ray.direction, s.albedo, s.f0, s.f90, s.roughness);
+        vertex.brdf = brdf_new(s.normal, s.geo_normal, -next.direction, s.albedo, s.f0, s.f90, s.roughness);
         vertex.origin = offset_origin(s.position, s.geo_normal, s.geo_normal);
     }
     return sum;
