@@ -1,14 +1,17 @@
 //! How many rays a second this adapter traces through a scene, with the library's own traversal.
 //!
 //! ```text
-//! cargo run -p scumble-scene --example rays [atrium | cornell | … | FILE.glb]
+//! cargo run -p scumble-scene --example rays [atrium | cornell | … | FILE.glb] [STILL_TRIANGLES]
 //! ```
 //!
 //! Camera rays at 512 x 512, then one cosine-distributed bounce from whatever they hit. The best
-//! of five submissions, wall clock.
+//! of five submissions, wall clock. The last argument is `GpuSceneOptions::still_triangles`: with 0
+//! every instance is entered by itself.
 
 use glam::{Vec2, Vec3};
-use scumble_scene::{Camera, GpuScene, LoadOptions, Scene, builtin, load, wgsl_modules};
+use scumble_scene::{
+    Camera, GpuScene, GpuSceneOptions, LoadOptions, Scene, builtin, load, wgsl_modules,
+};
 use std::collections::HashSet;
 use std::error::Error;
 use std::path::Path;
@@ -64,7 +67,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (device, queue) = pollster::block_on(open())?;
     let started = Instant::now();
     let scene: Arc<Scene> = Arc::new(scene);
-    let gpu = GpuScene::new(&device, &queue, scene)?;
+    let mut options = GpuSceneOptions::default();
+    if let Some(most) = std::env::args().nth(2) {
+        options.still_triangles = most.parse()?;
+    }
+    let gpu = GpuScene::with_options(&device, &queue, scene, options)?;
     println!(
         "on the GPU: {:.1} MB in {:.2} s",
         gpu.memory() as f64 * 1e-6,
