@@ -2,11 +2,13 @@
 //!
 //! Each frame paints a dot, blurs it in x and in y, and keeps the brighter of that and of what the last
 //! frame left, dimmed. `cargo run -p framegraph --example 2_blur_with_history` writes
-//! `out/2_blur_with_history.png`, the last of 60 frames.
+//! `out/2_blur_with_history.png`, the last of 60 frames, and a drawing of its plan beside it.
 
 mod common;
 use common::{Image, Outcome};
-use framegraph::{ComputeKernel, First, FrameParams, KernelDesc, Pool, Size, TextureDesc};
+use framegraph::{
+    ComputeKernel, First, FrameParams, KernelDesc, Pool, Size, Snapshot, TextureDesc,
+};
 
 /// One module; each entry point has the bindings that it uses, by their names.
 const SHADER: &str = "
@@ -71,13 +73,13 @@ fn kernels(device: &wgpu::Device) -> Outcome<Kernels> {
 
 const SIZE: [u32; 2] = [384, 256];
 
-/// Declares and records one frame; gives the plan as text.
+/// Declares and records one frame; gives what its plan says.
 fn frame(
     k: &Kernels,
     pool: &mut Pool,
     encoder: &mut wgpu::CommandEncoder,
     frame: u64,
-) -> Outcome<String> {
+) -> Outcome<Snapshot> {
     let mut graph = pool.frame(FrameParams { size: SIZE, frame });
     let half = TextureDesc::d2(wgpu::TextureFormat::Rgba16Float, Size::Frame);
     let bytes = TextureDesc::d2(wgpu::TextureFormat::Rgba8Unorm, Size::Frame);
@@ -115,28 +117,34 @@ fn frame(
     graph.export_texture("image", image);
 
     let plan = graph.compile()?;
-    let text = format!("{plan}\n{}", plan.memory());
+    let snapshot = plan.snapshot();
     plan.encode(encoder, pool)?;
-    Ok(text)
+    Ok(snapshot)
 }
 
-/// Draws it all, and gives the image.
-pub fn draw(device: &wgpu::Device, queue: &wgpu::Queue) -> Outcome<Image> {
+/// Draws it all, and gives the image and the plan of the last frame.
+pub fn draw(device: &wgpu::Device, queue: &wgpu::Queue) -> Outcome<(Image, Snapshot)> {
     let (k, mut pool) = (kernels(device)?, Pool::new(device, queue));
-    for number in 0..60 {
+    // The first frame clears the history; from the second on all frames have the same plan, which is
+    // compiled once.
+    let mut record = |number| -> Outcome<Snapshot> {
         let mut encoder = device.create_command_encoder(&Default::default());
-        let text = frame(&k, &mut pool, &mut encoder, number)?;
+        let snapshot = frame(&k, &mut pool, &mut encoder, number)?;
         queue.submit([encoder.finish()]);
-        // The first frame clears the history; from the second on all frames have the same plan.
-        if number == 1 {
-            println!("{text}");
-        }
+        Ok(snapshot)
+    };
+    for number in 0..59 {
+        record(number)?;
     }
+    let snapshot = record(59)?;
     let texture = pool.exported_texture("image").ok_or("nothing was drawn")?;
-    Image::read(device, queue, texture)
+    Ok((Image::read(device, queue, texture)?, snapshot))
 }
 
 fn main() -> Outcome<()> {
     let (device, queue) = common::device()?;
-    draw(&device, &queue)?.write("out".as_ref(), "2_blur_with_history")
+    let (image, plan) = draw(&device, &queue)?;
+    println!("{}\n{}", plan.text, plan.memory);
+    image.write("out".as_ref(), "2_blur_with_history")?;
+    Ok(std::fs::write("out/2_blur_with_history.svg", plan.svg())?)
 }

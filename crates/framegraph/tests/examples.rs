@@ -5,6 +5,9 @@
 #[path = "../examples/2_blur_with_history.rs"]
 mod blur;
 #[allow(dead_code, reason = "main is not called")]
+#[path = "../examples/4_foreign.rs"]
+mod foreign;
+#[allow(dead_code, reason = "main is not called")]
 #[path = "../examples/3_engine.rs"]
 mod lent;
 #[allow(dead_code, reason = "main is not called")]
@@ -45,7 +48,8 @@ fn the_light_leaves_a_trail() {
     let Some((device, queue)) = device() else {
         return;
     };
-    let image = blur::draw(&device, &queue).unwrap();
+    let (image, plan) = blur::draw(&device, &queue).unwrap();
+    assert_eq!(plan.passes.len(), 1, "{}", plan.text);
     // Where the light is in the last frame, where it was eight frames before (0.95^8 = 0.66 of it is
     // left), and where it never was.
     let at = |frame: f32| {
@@ -79,4 +83,18 @@ fn the_engine_survives_its_device() {
     assert!(light(240, 150) > 2 * light(2, 2));
     let inset = [327, 218].map(|n| n + 3);
     assert!(light(inset[0] + 60, inset[1] + 40) > 2 * light(inset[0], inset[1]));
+}
+
+#[test]
+fn a_foreign_painter_paints_over_the_sky() {
+    let Some((device, queue)) = device() else {
+        return;
+    };
+    let image = foreign::draw(&device, &queue).unwrap();
+    // The sky outside the panel, the panel three quarters over it, and a bar that hides both.
+    let [sky, beside] = [image.at(300, 40), image.at(10, 40)];
+    assert_eq!(sky, beside);
+    let panel = image.at(28, 40);
+    assert!(panel[2] < sky[2] / 2 && panel[2] > 0, "{panel:?}");
+    assert_eq!(image.at(36, 119)[..2], [242, 191]);
 }
