@@ -88,6 +88,8 @@ codes! {
     PartialHistory = "FG021",
     /// A dispatch beyond the device's limits.
     Dispatch = "FG022",
+    /// What a node that may be off leaves without contents is needed.
+    SwitchedOff = "FG023",
     /// Warning: a node whose results nobody needs was dropped.
     DeadNode = "FG101",
     /// Warning: a node that runs has an output that nobody reads.

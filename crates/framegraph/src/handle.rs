@@ -212,6 +212,7 @@ impl View {
     }
 
     /// The range in a texture of so many mips and layers; `None` when it lies outside or is empty.
+    #[inline]
     pub(crate) fn resolve(&self, mips: u32, layers: u32) -> Option<Subresources> {
         let inside = |range: &Option<Range<u32>>, count: u32| match range {
             None => Some((0, count)),
@@ -250,6 +251,7 @@ impl Subresources {
         layers: 1,
     };
 
+    #[inline]
     pub(crate) fn overlaps(&self, other: &Subresources) -> bool {
         self.mip < other.mip + other.mips
             && other.mip < self.mip + self.mips

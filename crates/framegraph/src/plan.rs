@@ -118,7 +118,8 @@ impl Plan<'_> {
         &self.graph.resources[transition.resource as usize].label
     }
 
-    /// Nodes that run, in order, as indices in the order of declaration.
+    /// Nodes that run, in order, as indices in the order of declaration; those that are switched off
+    /// keep their place.
     pub fn order(&self) -> &[u32] {
         &self.schedule.order
     }
@@ -187,8 +188,12 @@ impl fmt::Display for Plan<'_> {
                         } => write!(f, " indirect")?,
                         _ => {}
                     }
-                    match node.side_effect {
-                        Some(reason) => writeln!(f, " ({reason})")?,
+                    if let Some(reason) = node.side_effect {
+                        write!(f, " ({reason})")?;
+                    }
+                    match node.switch {
+                        Some(true) => writeln!(f, ", on")?,
+                        Some(false) => writeln!(f, ", off")?,
                         None => writeln!(f)?,
                     }
                 }

@@ -154,6 +154,7 @@ fn example(code: Code) -> fn(&mut Pool, &Given) -> Vec<Code> {
         Code::Usage => fg020,
         Code::PartialHistory => fg021,
         Code::Dispatch => fg022,
+        Code::SwitchedOff => fg023,
         Code::DeadNode => fg101,
         Code::Unread => fg102,
         Code::HistoryUnwritten => fg103,
@@ -534,6 +535,23 @@ fn fg022(pool: &mut Pool, given: &Given) -> Vec<Code> {
     let mut node = graph.compute("fill", fill);
     let a = node.overwrite("out", a);
     node.dispatch([1, 1, 100_000]);
+    graph.export_texture("result", a);
+    // end
+    codes(graph)
+}
+
+fn fg023(pool: &mut Pool, given: &Given) -> Vec<Code> {
+    let Given { fill, .. } = given;
+    let desc = DESC;
+    let params = PARAMS;
+    let lens_flare = false;
+    // FG023
+    let mut graph = pool.frame(params);
+    let a = graph.texture("a", desc);
+    let mut node = graph.compute("fill", fill);
+    let a = node.overwrite("out", a);
+    node.enabled_if(lens_flare);
+    node.dispatch_texels([64, 64]);
     graph.export_texture("result", a);
     // end
     codes(graph)

@@ -188,7 +188,8 @@ impl Search<'_, '_> {
                 last.ok_or_else(|| "nothing that runs writes it".into())
             }
             CaptureWhen::Version(version) => {
-                let found = writes.iter().find(|w| w.1 == *version).copied();
+                // What stands in for a node that is off makes the same version, later.
+                let found = writes.iter().rev().find(|w| w.1 == *version).copied();
                 found.ok_or_else(|| {
                     let all: Vec<String> = writes.iter().map(|w| w.1.to_string()).collect();
                     format!("its versions that run are [{}]", all.join(", "))

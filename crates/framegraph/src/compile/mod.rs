@@ -13,6 +13,7 @@ mod schedule;
 mod slots;
 mod states;
 mod steps;
+mod switches;
 mod table;
 mod usage;
 
@@ -25,6 +26,7 @@ pub(crate) use plans::Plans;
 pub(crate) use schedule::{RingNeed, Schedule};
 pub(crate) use slots::{Class, ClassNeed, FOREVER, Slots, Tenant};
 pub(crate) use steps::groups_dispatches;
+pub(crate) use switches::Bare;
 pub(crate) use table::Table;
 
 use std::cell::OnceCell;
@@ -55,22 +57,26 @@ impl<'f> FrameGraph<'f> {
     /// # Errors
     /// All mistakes found, of the declaration and of the graph as a whole.
     pub fn compile(mut self) -> Result<Plan<'f>, GraphErrors> {
-        if self.errors.is_empty() {
-            let found = lock(&self.shared.plans).find(&self);
-            if let Some(schedule) = found {
-                return Ok(Plan {
-                    graph: self,
-                    schedule,
-                    warnings: OnceCell::new(),
-                });
+        let found = match self.errors.is_empty() {
+            true => lock(&self.shared.plans).find(&self),
+            false => None,
+        };
+        let schedule = match found {
+            Some(schedule) => schedule,
+            None => {
+                let mut scratch = std::mem::take(&mut self.scratch);
+                let made = self.schedule(&mut scratch);
+                self.scratch = scratch;
+                made?
             }
+        };
+        switches::check_frame(&mut self, &schedule.bare);
+        if !self.errors.is_empty() {
+            return Err(GraphErrors(std::mem::take(&mut self.errors)));
         }
-        let mut scratch = std::mem::take(&mut self.scratch);
-        let schedule = self.schedule(&mut scratch);
-        self.scratch = scratch;
         Ok(Plan {
             graph: self,
-            schedule: schedule?,
+            schedule,
             warnings: OnceCell::new(),
         })
     }
@@ -93,12 +99,14 @@ impl<'f> FrameGraph<'f> {
         } = scratch;
         table.fill(self);
         contents.flow(self, table);
+        switches::check(self, table, contents);
         if !self.errors.is_empty() {
             return Err(GraphErrors(std::mem::take(&mut self.errors)));
         }
         let mut room = lock(&self.shared.plans).room();
         let s = room.schedule();
         cull::cull(self, table, contents, needed, s);
+        switches::bare(self, contents, s);
         hazards.edges(self, table, s);
         order.order(self, s);
         usage::usage(self, s);

@@ -23,10 +23,21 @@ pub struct PlanCounts {
     pub kept: usize,
 }
 
+/// The levers that decide a plan; the others only act when it is recorded.
+fn levers(debug: &Debug) -> [bool; 5] {
+    [
+        debug.timestamps,
+        debug.no_cull,
+        debug.no_group,
+        debug.no_reuse,
+        debug.clobber,
+    ]
+}
+
 /// A plan and what decides it.
 #[derive(Default)]
 pub(crate) struct Kept {
-    debug: Debug,
+    levers: [bool; 5],
     words: Vec<u64>,
     shapes: Vec<Shape>,
     samplers: Vec<wgpu::SamplerDescriptor<'static>>,
@@ -37,7 +48,7 @@ impl Kept {
     fn fits(&self, graph: &FrameGraph<'_>) -> bool {
         self.words == graph.words
             && self.shapes.len() == graph.resources.len()
-            && self.debug == graph.debug
+            && self.levers == levers(&graph.debug)
             && self
                 .shapes
                 .iter()
@@ -85,7 +96,7 @@ impl Plans {
     }
 
     pub fn keep(&mut self, graph: &FrameGraph<'_>, mut plan: Kept) -> Arc<Schedule> {
-        plan.debug.clone_from(&graph.debug);
+        plan.levers = levers(&graph.debug);
         plan.words.clone_from(&graph.words);
         plan.shapes.clear();
         plan.shapes.extend(graph.resources.iter().map(|r| r.shape));

@@ -3,7 +3,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::{Edge, Notice, Slots};
+use super::{Bare, Edge, Notice, Slots};
 use crate::plan::{Step, Transition};
 
 #[derive(Clone, Debug, Default)]
@@ -19,6 +19,8 @@ pub(crate) struct Schedule {
     /// Of all steps, one after the other.
     pub transitions: Vec<Transition>,
     pub notices: Vec<Notice>,
+    /// Readers that must be off while a writer is.
+    pub bare: Vec<Bare>,
     /// For each resource, wgpu's bits of the usage it needs; `None` where nothing that runs uses it, so
     /// that it needs no memory.
     pub usage: Vec<Option<u32>>,
@@ -39,6 +41,7 @@ impl Schedule {
         self.steps.clear();
         self.transitions.clear();
         self.notices.clear();
+        self.bare.clear();
         self.usage.clear();
         self.rings.clear();
     }

@@ -9,6 +9,7 @@ use std::sync::atomic::Ordering;
 
 pub(crate) use bind::BoundGroups;
 
+use crate::compile::groups_dispatches;
 use crate::error::EncodeError;
 use crate::graph::{Import, Kind, RingState, Work, age_label};
 use crate::handle::{Buffer, Raw, Texture, View};
@@ -105,7 +106,9 @@ impl<'f> Plan<'f> {
         for (h, need) in graph.histories.iter().zip(&self.schedule.rings) {
             pool.rings.prepare(&pool.device, encoder, h, need.usage);
         }
-        let slots = pool.store.slots(&pool.device, graph, &self.schedule.slots);
+        let mut slots = std::mem::take(&mut pool.slots);
+        let plan = &self.schedule.slots;
+        pool.store.slots(&pool.device, graph, plan, &mut slots);
         let mut physical = std::mem::take(&mut pool.physical);
         let each = (graph.resources.iter())
             .zip(&self.schedule.usage)
@@ -132,6 +135,8 @@ impl<'f> Plan<'f> {
                 }
             }
         }));
+        slots.clear();
+        pool.slots = slots;
         physical
     }
 
@@ -162,14 +167,14 @@ impl<'f> Plan<'f> {
             }
             self.clobber(encoder, pool, physical, (&marks, ran));
             let node = step.node as usize;
-            let mut count = 1;
+            let (mut next, mut count) = (at + 1, 1);
             match step.kind {
+                _ if self.graph.is_off(step.node) && step.kind != StepKind::Dispatch => {}
                 StepKind::Dispatch => {
-                    let dispatches = steps[at..].iter().map(|s| s.kind);
-                    let grouped = dispatches.take_while(|k| *k == StepKind::Dispatch).count();
-                    count = marks.together(ran, grouped as u32);
-                    let together = &steps[at..at + count as usize];
-                    self.compute_pass(encoder, pool, physical, together, bound);
+                    let (_, all) = self.group(at, u32::MAX);
+                    let (end, nodes) = self.group(at, marks.together(ran, all));
+                    self.compute_pass(encoder, pool, physical, &steps[at..end], bound);
+                    (next, count) = (end, nodes);
                 }
                 StepKind::Raster => self.render_pass(encoder, pool, physical, node, bound),
                 _ => {
@@ -187,11 +192,28 @@ impl<'f> Plan<'f> {
                     }
                 }
             }
-            at += count as usize;
+            at = next;
             ran += count;
             self.capture(encoder, pool, physical, (&marks, ran));
         }
         pool.timer.end(&pool.device, encoder);
+    }
+
+    /// Where the dispatches that share a pass with the one at a step end, and how many nodes they are, of
+    /// `most`. Nodes that are off do not part them.
+    fn group(&self, from: usize, most: u32) -> (usize, u32) {
+        let grouped = groups_dispatches(&self.graph);
+        let (mut end, mut nodes, mut seen) = (from, 0, 0);
+        for (at, step) in self.schedule.steps.iter().enumerate().skip(from) {
+            match step.kind {
+                StepKind::BeginCompute | StepKind::EndCompute if grouped => continue,
+                StepKind::Dispatch if seen < most => (end, nodes) = (at + 1, seen + 1),
+                _ if seen < most && self.graph.is_off(step.node) => {}
+                _ => break,
+            }
+            seen += 1;
+        }
+        (end, nodes)
     }
 
     /// Copies, clears, uploads, foreign work.
@@ -207,7 +229,10 @@ impl<'f> Plan<'f> {
             &physical[self.graph.accesses[(accesses.start + i) as usize].resource as usize]
         };
         match self.graph.nodes[node].work {
-            Work::CopyTexture | Work::CopyBuffer => crate::pool::copy(encoder, at(0), at(1)),
+            Work::CopyTexture | Work::CopyBuffer => {
+                let range = self.graph.accesses[accesses.start as usize].range;
+                crate::pool::copy(encoder, at(0), at(1), range);
+            }
             Work::Clear(value) => {
                 let access = self.graph.accesses[accesses.start as usize];
                 self.clear(

@@ -5,14 +5,14 @@ use crate::desc::Load;
 use crate::graph::{Dispatch, Target, Work};
 use crate::handle::Subresources;
 use crate::kernel::Kernel;
-use crate::plan::{Plan, Step};
+use crate::plan::{Plan, Step, StepKind};
 use crate::pool::{Physical, Pool};
 
 /// Colour attachments that any device has at most.
 const MOST_COLORS: usize = 8;
 
 impl Plan<'_> {
-    /// One compute pass with these dispatches.
+    /// One compute pass with those of the dispatches that are on.
     pub(super) fn compute_pass(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -21,21 +21,22 @@ impl Plan<'_> {
         steps: &[Step],
         bound: &mut BoundGroups,
     ) {
+        let on = |s: &&Step| s.kind == StepKind::Dispatch && !self.graph.is_off(s.node);
+        let Some(first) = steps.iter().find(on) else {
+            return;
+        };
+        let first = &self.graph.nodes[first.node as usize].label;
         let features = pool.caps.features;
         let debug = &self.graph.debug;
         let timed = debug.timestamps && features.contains(wgpu::Features::TIMESTAMP_QUERY);
         let inside = features.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES);
         // Where a pass can only be timed as a whole, it holds one dispatch.
-        let whole = match steps.first() {
-            Some(step) if timed && !inside => {
-                pool.timer.node(&self.graph.nodes[step.node as usize].label)
-            }
-            _ => None,
+        let whole = match timed && !inside {
+            true => pool.timer.node(first),
+            false => None,
         };
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: steps
-                .first()
-                .map(|s| self.graph.nodes[s.node as usize].label.as_str()),
+            label: Some(first),
             timestamp_writes: whole
                 .as_ref()
                 .map(|(set, first)| wgpu::ComputePassTimestampWrites {
@@ -45,7 +46,7 @@ impl Plan<'_> {
                 }),
         });
         let mut last = u32::MAX;
-        for step in steps {
+        for step in steps.iter().filter(on) {
             let node = &self.graph.nodes[step.node as usize];
             let Work::Compute {
                 kernel: index,

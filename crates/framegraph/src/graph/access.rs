@@ -18,23 +18,30 @@ impl FrameGraph<'_> {
     }
 
     /// The resource of a handle of this graph. Nothing is reported for the result of an earlier mistake.
+    #[inline]
     pub(crate) fn resolve(&mut self, raw: Raw, site: Site) -> Option<usize> {
         if raw.resource == u32::MAX {
             return None;
         }
         if raw.brand != self.brand {
-            self.fail(
-                Code::OtherGraph,
-                "a handle of another frame graph is used".into(),
-                site,
-                "handles live for one frame: declare or import the resource in this graph",
-            );
+            self.report_other_graph(site);
             return None;
         }
         Some(raw.resource as usize)
     }
 
+    #[cold]
+    fn report_other_graph(&mut self, site: Site) {
+        self.fail(
+            Code::OtherGraph,
+            "a handle of another frame graph is used".into(),
+            site,
+            "handles live for one frame: declare or import the resource in this graph",
+        );
+    }
+
     /// The range of a view; reports one that lies outside.
+    #[inline]
     pub(crate) fn resolve_view(
         &mut self,
         view: &View,
@@ -51,27 +58,28 @@ impl FrameGraph<'_> {
         match view.resolve(mips, layers) {
             Some(range) => Some((resource, range)),
             None => {
-                let Resource {
-                    label,
-                    site: declared,
-                    ..
-                } = &self.resources[resource];
-                let error = GraphError::new(
-                    Code::OutOfRange,
-                    format!(
-                        "the view lies outside `{label}`, which has {mips} mips and {layers} layers"
-                    ),
-                    site,
-                    "count mips and layers from 0",
-                )
-                .with("declared", *declared);
-                self.errors.push(error);
+                self.report_range(resource, site);
                 None
             }
         }
     }
 
-    /// Records that `node` uses a range, and returns the version that holds after it and the access' index.
+    #[cold]
+    fn report_range(&mut self, resource: usize, site: Site) {
+        let r = &self.resources[resource];
+        let (label, (mips, layers)) = (&r.label, r.shape.extent());
+        let error = GraphError::new(
+            Code::OutOfRange,
+            format!("the view lies outside `{label}`, which has {mips} mips and {layers} layers"),
+            site,
+            "count mips and layers from 0",
+        )
+        .with("declared", r.site);
+        self.errors.push(error);
+    }
+
+    /// Records that `node` uses a range, and returns the access' index.
+    #[inline]
     pub(crate) fn access(
         &mut self,
         node: u32,
@@ -79,7 +87,7 @@ impl FrameGraph<'_> {
         range: Subresources,
         (mode, state, usage): (Mode, State, u32),
         site: Site,
-    ) -> (Raw, u32) {
+    ) -> u32 {
         let latest = self.resources[raw.resource as usize].latest;
         if raw.version != latest {
             self.check_stale(Some(node), raw, mode.writes(), site);
@@ -99,17 +107,19 @@ impl FrameGraph<'_> {
         self.note_access(&access);
         self.accesses.push(access);
         self.nodes[node as usize].accesses.end = index + 1;
-        if mode.writes() {
-            self.resources[raw.resource as usize].latest = latest + 1;
-            (
-                Raw {
-                    version: latest + 1,
-                    ..raw
-                },
-                index,
-            )
-        } else {
-            (raw, index)
+        self.resources[raw.resource as usize].latest = latest + u32::from(mode.writes());
+        index
+    }
+
+    /// The handle that holds after an access by `raw`.
+    #[inline]
+    pub(crate) fn handle(&self, raw: Raw, mode: Mode) -> Raw {
+        match mode.writes() {
+            true => Raw {
+                version: self.resources[raw.resource as usize].latest,
+                ..raw
+            },
+            false => raw,
         }
     }
 
@@ -155,6 +165,7 @@ impl FrameGraph<'_> {
     }
 
     /// Reports a second touch of the same range by one node when either writes.
+    #[inline]
     fn check_conflict(
         &mut self,
         node: u32,
@@ -168,17 +179,23 @@ impl FrameGraph<'_> {
             a.resource == resource && (a.mode.writes() || mode.writes()) && a.range.overlaps(&range)
         });
         if let Some(clash) = clash {
-            let error = GraphError::new(
-                Code::Conflict,
-                format!(
-                    "`{}` touches the same part of `{}` twice, and writes it",
-                    self.nodes[node as usize].label, self.resources[resource as usize].label
-                ),
-                site,
-                "bind it once with `modify`, or read another mip, layer or resource",
-            )
-            .with("first touched", clash.site);
-            self.errors.push(error);
+            let first = clash.site;
+            self.report_conflict(node, resource, site, first);
         }
+    }
+
+    #[cold]
+    fn report_conflict(&mut self, node: u32, resource: u32, site: Site, first: Site) {
+        let error = GraphError::new(
+            Code::Conflict,
+            format!(
+                "`{}` touches the same part of `{}` twice, and writes it",
+                self.nodes[node as usize].label, self.resources[resource as usize].label
+            ),
+            site,
+            "bind it once with `modify`, or read another mip, layer or resource",
+        )
+        .with("first touched", first);
+        self.errors.push(error);
     }
 }

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::{
     Access, Attachment, Bind, DrawWork, Export, ForeignWork, FormatCaps, HistoryUse, Import, Node,
-    Resource,
+    Resource, StandIn,
 };
 use crate::compile::{Plans, Scratch};
 use crate::kernel::Kernel;
@@ -54,5 +54,6 @@ pub(crate) struct Arena {
     pub exports: Vec<Export>,
     pub histories: Vec<HistoryUse>,
     pub formats: Vec<(wgpu::TextureFormat, FormatCaps)>,
+    pub stand_ins: Vec<StandIn>,
     pub scratch: Scratch,
 }

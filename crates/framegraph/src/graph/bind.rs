@@ -10,6 +10,7 @@ use crate::state::{Mode, State};
 
 impl FrameGraph<'_> {
     /// The slot of a name, unless it is unknown or taken.
+    #[inline]
     fn slot(&mut self, face: &Interface, node: u32, name: &str, site: Site) -> Option<usize> {
         let bindings = &face.reflection.bindings[..face.slots];
         let own = &self.binds[self.nodes[node as usize].binds.start as usize..];
@@ -20,6 +21,24 @@ impl FrameGraph<'_> {
             _ => bindings.iter().position(|b| b.name == name),
         };
         let Some(slot) = slot else {
+            self.report_unknown(face, node, name, site);
+            return None;
+        };
+        let taken = |b: &&Bind| b.slot as usize == slot && !matches!(b.what, Bound::Mistake);
+        match own.iter().find(taken) {
+            None => Some(slot),
+            Some(first) => {
+                let first = first.site;
+                self.report_bound_twice(node, name, site, first);
+                None
+            }
+        }
+    }
+
+    #[cold]
+    fn report_unknown(&mut self, face: &Interface, node: u32, name: &str, site: Site) {
+        let bindings = &face.reflection.bindings[..face.slots];
+        {
             let names = bindings.iter().map(|b| b.name.as_str());
             let label = &self.nodes[node as usize].label;
             let message = format!(
@@ -34,25 +53,18 @@ impl FrameGraph<'_> {
                 self.bind(node, slot, Bound::Mistake, site);
             }
             self.fail(Code::UnknownBinding, message, site, help);
-            return None;
-        };
-        let own = &self.binds[self.nodes[node as usize].binds.start as usize..];
-        match own
-            .iter()
-            .find(|b| b.slot as usize == slot && !matches!(b.what, Bound::Mistake))
-        {
-            None => Some(slot),
-            Some(first) => {
-                let label = &self.nodes[node as usize].label;
-                let message = format!("`{label}` binds `{name}` twice");
-                let error = GraphError::new(Code::BoundTwice, message, site, "bind each name once");
-                let error = error.with("first bound", first.site);
-                self.errors.push(error);
-                None
-            }
         }
     }
 
+    #[cold]
+    fn report_bound_twice(&mut self, node: u32, name: &str, site: Site, first: Site) {
+        let label = &self.nodes[node as usize].label;
+        let message = format!("`{label}` binds `{name}` twice");
+        let error = GraphError::new(Code::BoundTwice, message, site, "bind each name once");
+        self.errors.push(error.with("first bound", first));
+    }
+
+    #[inline]
     fn bind(&mut self, node: u32, slot: usize, what: Bound, site: Site) {
         self.note_bind(slot as u32, what);
         self.binds.push(Bind {
@@ -64,6 +76,7 @@ impl FrameGraph<'_> {
     }
 
     /// Reports a mistake with the binding in `slot` and keeps it from being reported as unbound.
+    #[cold]
     fn mistake(
         &mut self,
         (node, slot): (u32, usize),
@@ -170,9 +183,9 @@ impl FrameGraph<'_> {
         }
         let usage = state.texture_usage().bits();
         self.check_usage(resource, usage, site);
-        let (raw, access) = self.access(node, view.texture.0, range, (mode, state, usage), site);
+        let access = self.access(node, view.texture.0, range, (mode, state, usage), site);
         self.bind(node, slot, Bound::Access(access), site);
-        Texture(raw)
+        Texture(self.handle(view.texture.0, mode))
     }
 
     pub(crate) fn bind_buffer(
@@ -248,9 +261,9 @@ impl FrameGraph<'_> {
         let usage = state.buffer_usage().bits();
         self.check_usage(resource, usage, site);
         let how = (mode, state, usage);
-        let (raw, access) = self.access(node, buffer.0, Subresources::ONE, how, site);
+        let access = self.access(node, buffer.0, Subresources::ONE, how, site);
         self.bind(node, slot, Bound::Access(access), site);
-        Buffer(raw)
+        Buffer(self.handle(buffer.0, mode))
     }
 
     pub(crate) fn bind_uniform(

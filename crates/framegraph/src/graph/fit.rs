@@ -30,6 +30,7 @@ pub(super) fn remedy(kind: &BindingKind) -> &'static str {
 }
 
 /// Whether a format can be read as the shader reads it; else what to do.
+#[inline]
 pub(super) fn samples_as(
     texels: Option<wgpu::TextureSampleType>,
     sample: Sample,
@@ -49,6 +50,7 @@ pub(super) fn samples_as(
 }
 
 /// Whether a range can be seen through a binding of this dimension; else what to do.
+#[inline]
 pub(super) fn dimension_fits(
     dimension: wgpu::TextureViewDimension,
     depth: u32,

@@ -1,5 +1,6 @@
 //! Foreign nodes: third-party code that records into the raw encoder.
 
+use super::switch::{How, switch_methods};
 use super::{FrameGraph, Shape, Work, here};
 use crate::handle::{Buffer, Label, Raw, Subresources, Texture, View};
 use crate::state::{Mode, State};
@@ -59,6 +60,8 @@ impl<'f> ForeignNode<'_, 'f> {
         self.buffer(buffer, Mode::Overwrite, usage)
     }
 
+    switch_methods!();
+
     /// Keeps the node from culling, for a reason that the plan shows.
     pub fn side_effect(&mut self, reason: &'static str) -> &mut Self {
         self.graph.nodes[self.node as usize].side_effect = Some(reason);
@@ -71,6 +74,7 @@ impl<'f> ForeignNode<'_, 'f> {
         self.graph.foreign.push(Some(Box::new(work)));
         let index = self.graph.foreign.len() as u32 - 1;
         self.graph.finish_node(self.node, Work::Foreign(index));
+        self.graph.finish_switch(self.node);
     }
 
     #[track_caller]
@@ -81,11 +85,9 @@ impl<'f> ForeignNode<'_, 'f> {
         };
         self.graph.check_usage(resource, usage.bits(), site);
         let how = (mode, State::Foreign, usage.bits());
-        Texture(
-            self.graph
-                .access(self.node, view.texture.0, range, how, site)
-                .0,
-        )
+        let raw = view.texture.0;
+        self.graph.access(self.node, raw, range, how, site);
+        Texture(self.graph.handle(raw, mode))
     }
 
     #[track_caller]
@@ -99,10 +101,8 @@ impl<'f> ForeignNode<'_, 'f> {
         }
         self.graph.check_usage(resource, usage.bits(), site);
         let how = (mode, State::Foreign, usage.bits());
-        Buffer(
-            self.graph
-                .access(self.node, buffer.0, Subresources::ONE, how, site)
-                .0,
-        )
+        let range = Subresources::ONE;
+        self.graph.access(self.node, buffer.0, range, how, site);
+        Buffer(self.graph.handle(buffer.0, mode))
     }
 }

@@ -24,11 +24,13 @@ pub(super) enum Word {
 
 impl FrameGraph<'_> {
     /// A record of 56 bits, and for some tags a word more.
+    #[inline]
     pub(super) fn note(&mut self, tag: Word, low: u64, more: Option<u64>) {
         self.words.push((tag as u64) << 56 | low);
         self.words.extend(more);
     }
 
+    #[inline]
     pub(super) fn note_resource(&mut self, kind: Kind, extra_usage: u32) {
         let usage = u64::from(extra_usage);
         match kind {
@@ -43,6 +45,7 @@ impl FrameGraph<'_> {
         }
     }
 
+    #[inline]
     pub(super) fn note_access(&mut self, a: &Access) {
         let how = (a.mode as u64) << 48 | (a.state as u64) << 40 | u64::from(a.resource);
         self.note(Word::Access, how, Some(a.range.bits()));
@@ -52,6 +55,7 @@ impl FrameGraph<'_> {
     }
 
     /// What is bound to a slot; an access is the one noted last.
+    #[inline]
     pub(super) fn note_bind(&mut self, slot: u32, what: Bound) {
         let slot = u64::from(slot);
         match what {
@@ -63,6 +67,7 @@ impl FrameGraph<'_> {
         }
     }
 
+    #[inline]
     pub(super) fn note_node(&mut self, node: u32, work: Work) {
         let (kind, kernel) = match work {
             Work::None => (0, None),
@@ -77,7 +82,9 @@ impl FrameGraph<'_> {
         };
         // It comes after the accesses of nodes that may have any number of them, else before.
         let kept = u64::from(self.nodes[node as usize].side_effect.is_some());
-        let low = kind << 48 | kept << 40;
+        let n = &self.nodes[node as usize];
+        let switch = u64::from(n.switch.is_some()) << 1 | u64::from(n.stands_in) << 2;
+        let low = kind << 48 | (kept | switch) << 40;
         let id = kernel.map(|k| self.kernels[k as usize].interface().id);
         self.note(Word::Node, low, Some(id.unwrap_or(0)));
     }

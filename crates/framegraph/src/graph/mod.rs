@@ -9,6 +9,7 @@ mod foreign;
 mod history;
 mod key;
 mod nodes;
+mod switch;
 mod transfer;
 
 use std::ops::Range;
@@ -24,6 +25,7 @@ pub(crate) use arena::{Arena, Shared};
 pub(crate) use check::FormatCaps;
 pub(crate) use history::{HistoryStates, HistoryUse, RingState, Shape, age_label};
 use key::Word;
+use switch::StandIn;
 
 use crate::compile::Scratch;
 use crate::debug::Debug;
@@ -77,6 +79,8 @@ pub struct FrameGraph<'f> {
     pub(crate) histories: Vec<HistoryUse>,
     /// What the device can do with the formats asked for so far.
     formats: Vec<(wgpu::TextureFormat, FormatCaps)>,
+    /// Of the node that is being declared.
+    stand_ins: Vec<StandIn>,
     pub(crate) scratch: Scratch,
     pub(crate) errors: Vec<GraphError>,
 }
@@ -149,6 +153,10 @@ pub(crate) struct Node {
     pub binds: Range<u32>,
     pub groups: Range<u32>,
     pub side_effect: Option<&'static str>,
+    /// Whether it is on in this frame; `None` where it always is.
+    pub switch: Option<bool>,
+    /// Whether it runs while another node is off.
+    pub stands_in: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -298,6 +306,7 @@ impl<'f> FrameGraph<'f> {
             exports: arena.exports,
             histories: arena.histories,
             formats: arena.formats,
+            stand_ins: arena.stand_ins,
             scratch: arena.scratch,
             errors: Vec::new(),
         }
@@ -479,6 +488,7 @@ impl<'f> FrameGraph<'f> {
             self.binds.len() as u32,
             self.groups.len() as u32,
         );
+        self.stand_ins.clear();
         self.nodes.push(Node {
             label,
             site,
@@ -487,8 +497,15 @@ impl<'f> FrameGraph<'f> {
             binds: binds..binds,
             groups: groups..groups,
             side_effect: None,
+            switch: None,
+            stands_in: false,
         });
         self.nodes.len() as u32 - 1
+    }
+
+    /// Whether a node does nothing in this frame.
+    pub(crate) fn is_off(&self, node: u32) -> bool {
+        self.nodes[node as usize].switch == Some(false)
     }
 
     pub(crate) fn finish_node(&mut self, node: u32, work: Work) {
@@ -515,12 +532,25 @@ impl<'f> FrameGraph<'f> {
 
     /// Puts bytes into the upload arena at an offset that suits uniforms and copies.
     pub(crate) fn put(&mut self, bytes: &[u8]) -> u64 {
-        let align = self.caps.limits.min_uniform_buffer_offset_alignment.max(4) as usize;
-        let offset = self.upload.len().next_multiple_of(align);
-        self.upload.resize(offset, 0);
+        let offset = self.put_aligned();
         self.upload.extend_from_slice(bytes);
         self.upload.resize(self.upload.len().next_multiple_of(4), 0);
         offset as u64
+    }
+
+    /// The same word again and again.
+    pub(crate) fn put_words(&mut self, word: u32, count: usize) -> u64 {
+        let offset = self.put_aligned();
+        let words = std::iter::repeat_n(word.to_ne_bytes(), count);
+        self.upload.extend(words.flatten());
+        offset as u64
+    }
+
+    fn put_aligned(&mut self) -> usize {
+        let align = self.caps.limits.min_uniform_buffer_offset_alignment.max(4) as usize;
+        let offset = self.upload.len().next_multiple_of(align);
+        self.upload.resize(offset, 0);
+        offset
     }
 }
 
@@ -554,6 +584,7 @@ impl Drop for FrameGraph<'_> {
             exports: emptied(&mut self.exports),
             histories: emptied(&mut self.histories),
             formats: std::mem::take(&mut self.formats),
+            stand_ins: emptied(&mut self.stand_ins),
             scratch: std::mem::take(&mut self.scratch),
         });
     }

@@ -1,5 +1,6 @@
 //! The builders of compute and raster nodes.
 
+use super::switch::{How, switch_methods};
 use super::{Attachment, Dispatch, FrameGraph, Shape, Target, Work, here};
 use crate::desc::Load;
 use crate::error::{Code, GraphError, Site};
@@ -154,6 +155,7 @@ macro_rules! binding_methods {
 
 impl ComputeNode<'_, '_> {
     binding_methods!();
+    switch_methods!();
 
     /// Dispatches so many workgroups.
     #[track_caller]
@@ -198,7 +200,7 @@ impl ComputeNode<'_, '_> {
         let usage = wgpu::BufferUsages::INDIRECT.bits();
         self.graph.check_usage(resource, usage, site);
         let how = (Mode::Read, State::Indirect, usage);
-        let (_, access) = self
+        let access = self
             .graph
             .access(self.node, arguments.0, Subresources::ONE, how, site);
         self.end(Dispatch::Indirect { access, offset });
@@ -211,11 +213,13 @@ impl ComputeNode<'_, '_> {
         let kernel = self.graph.kernel_index(face.id, kernel);
         let work = Work::Compute { kernel, dispatch };
         self.graph.finish_node(self.node, work);
+        self.graph.finish_switch(self.node);
     }
 }
 
 impl<'f> RasterNode<'_, 'f> {
     binding_methods!();
+    switch_methods!();
 
     /// Attaches one mip and layer as the colour target of this location.
     #[track_caller]
@@ -306,6 +310,7 @@ impl<'f> RasterNode<'_, 'f> {
             draw: self.graph.draws.len() as u32 - 1,
         };
         self.graph.finish_node(self.node, work);
+        self.graph.finish_switch(self.node);
     }
 
     /// Whether a location is attached; `u32::MAX` is depth.
@@ -407,9 +412,9 @@ impl<'f> RasterNode<'_, 'f> {
         }
         let usage = state.texture_usage().bits();
         self.graph.check_usage(resource, usage, site);
-        let (raw, access) =
+        let access =
             self.graph
                 .access(self.node, view.texture.0, range, (mode, state, usage), site);
-        Ok((Texture(raw), access))
+        Ok((Texture(self.graph.handle(view.texture.0, mode)), access))
     }
 }

@@ -114,17 +114,14 @@ impl FrameGraph<'_> {
     }
 
     pub(crate) fn fill_at(&mut self, name: Label, buffer: Buffer, word: u32, site: Site) -> Buffer {
-        if word != 0 {
-            let words = self.buffer_size(buffer) / 4;
-            return self.upload_at(
-                name,
-                buffer,
-                word.to_ne_bytes().repeat(words as usize),
-                site,
-            );
-        }
         let node = self.begin_node(name, site);
-        self.finish_node(node, Work::Zero);
+        let work = match word {
+            0 => Work::Zero,
+            _ => Work::Upload {
+                offset: self.put_words(word, self.buffer_size(buffer) as usize / 4),
+            },
+        };
+        self.finish_node(node, work);
         match self.resolve(buffer.0, site) {
             Some(_) => Buffer(self.whole(node, buffer.0, Mode::Overwrite, State::CopyTarget, site)),
             None => Buffer(Raw::POISON),
@@ -184,6 +181,7 @@ impl FrameGraph<'_> {
             layers,
             ..Subresources::ONE
         };
-        self.access(node, raw, range, (mode, state, usage), site).0
+        self.access(node, raw, range, (mode, state, usage), site);
+        self.handle(raw, mode)
     }
 }

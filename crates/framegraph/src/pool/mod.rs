@@ -57,8 +57,9 @@ pub struct Pool {
     pub(crate) captures: Captures,
     /// Bind groups of the plans encoded last, the last first.
     pub(crate) bound: Vec<BoundGroups>,
-    /// The list that encoding puts the memory of resources in; empty in between.
+    /// The lists that encoding puts the memory of resources and of slots in; empty in between.
     pub(crate) physical: Vec<Physical>,
+    pub(crate) slots: Vec<Physical>,
     /// What graphs hold that are done with histories.
     pub(crate) no_states: Arc<HistoryStates>,
     pub(crate) exports: Vec<(Label, Physical)>,
@@ -92,6 +93,7 @@ impl Pool {
             captures: Captures::default(),
             bound: Vec::new(),
             physical: Vec::new(),
+            slots: Vec::new(),
             no_states: Arc::default(),
             exports: Vec::new(),
             frames: 0,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::store::{Physical, bytes};
 use super::{Memory, ResourceMemory};
 use crate::graph::{HistoryUse, Shape};
-use crate::handle::Label;
+use crate::handle::{Label, Subresources};
 
 #[derive(Default)]
 pub(crate) struct Rings {
@@ -39,8 +39,14 @@ impl Rings {
                 let has = ring.slots.first().map_or(0, Physical::usage);
                 if has & usage != usage {
                     let slots = make(has | usage);
+                    let (mips, layers) = history.shape.extent();
+                    let all = Subresources {
+                        mips,
+                        layers,
+                        ..Subresources::ONE
+                    };
                     for (old, new) in ring.slots.iter().zip(&slots) {
-                        copy(encoder, old, new);
+                        copy(encoder, old, new, all);
                     }
                     ring.slots = slots;
                 }
@@ -98,23 +104,23 @@ fn kept_usage(shape: &Shape) -> u32 {
     }
 }
 
-/// Copies all mips and layers, or all bytes. Layers go one by one: wgpu 30 panics in `finish` where a copy
+/// Copies the mips and layers of a range, or all bytes. Layers go one by one: wgpu 30 panics in `finish` where a copy
 /// of several finds them in different states, because it has room for one barrier on each side.
-pub(crate) fn copy(encoder: &mut wgpu::CommandEncoder, from: &Physical, to: &Physical) {
+pub(crate) fn copy(
+    encoder: &mut wgpu::CommandEncoder,
+    from: &Physical,
+    to: &Physical,
+    range: Subresources,
+) {
     match (from, to) {
         (Physical::Texture(from, ..), Physical::Texture(to, ..)) => {
             let volume = from.dimension() == wgpu::TextureDimension::D3;
-            let layers = if volume {
-                1
-            } else {
-                from.depth_or_array_layers()
-            };
-            for mip in 0..from.mip_level_count() {
+            for mip in range.mip..range.mip + range.mips {
                 let mut size = from.size().mip_level_size(mip, from.dimension());
                 if !volume {
                     size.depth_or_array_layers = 1;
                 }
-                for layer in 0..layers {
+                for layer in range.layer..range.layer + range.layers {
                     let at = |texture| wgpu::TexelCopyTextureInfo {
                         texture,
                         mip_level: mip,

@@ -190,14 +190,14 @@ impl Store {
         self.now += 1;
     }
 
-    /// The memory of each slot of a plan.
+    /// Puts the memory of each slot of a plan into an empty list.
     pub fn slots(
         &mut self,
         device: &wgpu::Device,
         graph: &FrameGraph<'_>,
         slots: &Slots,
-    ) -> Vec<Physical> {
-        let mut memory = Vec::with_capacity(slots.slots.len());
+        memory: &mut Vec<Physical>,
+    ) {
         for tenant in &slots.tenants {
             // Slots are numbered in the order of their first tenants.
             if tenant.slot as usize == memory.len() {
@@ -205,7 +205,6 @@ impl Store {
                 memory.push(self.take(device, label, &slots.classes[tenant.class as usize]));
             }
         }
-        memory
     }
 
     /// One that nobody else has in this encode. Its contents are whatever was there.
