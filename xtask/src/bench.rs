@@ -1,6 +1,6 @@
 //! Time per pass, rays per second, frame-graph CPU time and bytes per pixel of whole frames.
 
-use crate::command::{Done, cargo, failure, output};
+use crate::command::{self, Done, cargo, failure, output};
 use crate::setup;
 use serde_json::Value;
 
@@ -37,6 +37,9 @@ const BENCHES: [Bench; 3] = [
     },
 ];
 
+/// The benchmark, and the package, of the frame graph alone.
+const GRAPH: &str = "framegraph";
+
 /// Frames rendered, and how many at the start are left out: they compile the shaders and make the
 /// resources.
 const FRAMES: usize = 7;
@@ -44,12 +47,13 @@ const WARM_UP: usize = 2;
 
 /// Runs the benchmark of that name, or all, with optimised code.
 pub fn run(name: Option<&str>) -> Done {
+    let graph = name.is_none_or(|n| n == GRAPH);
     let chosen: Vec<_> = BENCHES
         .iter()
         .filter(|b| name.is_none_or(|n| n == b.name))
         .collect();
-    if chosen.is_empty() {
-        let known: Vec<_> = BENCHES.iter().map(|b| b.name).collect();
+    if chosen.is_empty() && !graph {
+        let known: Vec<_> = BENCHES.iter().map(|b| b.name).chain([GRAPH]).collect();
         let name = name.unwrap_or_default();
         return Err(failure(format!(
             "no benchmark '{name}'; there are {}",
@@ -57,6 +61,18 @@ pub fn run(name: Option<&str>) -> Done {
         )));
     }
     setup::run()?;
+    if graph {
+        println!("\n{GRAPH}: CPU time of the frame graph beside hand-written wgpu");
+        command::run(cargo(&[
+            "run",
+            "--quiet",
+            "--release",
+            "--package",
+            GRAPH,
+            "--example",
+            "cpu",
+        ]))?;
+    }
     for bench in chosen {
         println!("\n{}: {}", bench.name, bench.about);
         let frames = FRAMES.to_string();
