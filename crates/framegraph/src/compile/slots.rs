@@ -1,10 +1,11 @@
 //! Which transients share memory: lifetimes over the plan's order, then interval colouring inside each
 //! class of what can stand in for each other.
 //!
-//! In one class all slots have one size, so only their number counts. Whoever comes takes a slot that is
-//! free, in the order of first use: a new slot is made only when all are taken, so there are as many as
-//! the most that live at once, and no assignment can do with fewer.
+//! Whoever comes takes a slot of its class that is free, in the order of first use: a new slot is made only
+//! when all are taken, so there are as many as the most that live at once, and no assignment can do with
+//! fewer.
 
+use std::cmp::Reverse;
 use std::collections::{HashMap, VecDeque};
 
 use super::NONE;
@@ -33,23 +34,30 @@ pub(crate) struct ClassNeed {
     /// wgpu's bits of the usage of all in the class: more usage than a resource needs costs nothing, and
     /// leaves it open which slot it gets.
     pub usage: u32,
-    /// Bytes of one slot; of a buffer the most that is asked for.
-    pub bytes: u64,
 }
 
 impl ClassNeed {
-    /// What to make, and the format that its views may have besides.
+    /// The class with the format to make, and the format that views may have besides.
     pub fn real_shape(&self) -> (Shape, Option<wgpu::TextureFormat>) {
         let mut shape = self.class.shape;
         let mut also = None;
         match (&mut shape, self.seen) {
-            (Shape::Buffer { bytes }, _) => *bytes = self.bytes,
             (Shape::Texture { format, .. }, [true, true]) => also = Some(format.add_srgb_suffix()),
             (Shape::Texture { format, .. }, [false, true]) => *format = format.add_srgb_suffix(),
-            (Shape::Texture { .. }, _) => {}
+            _ => {}
         }
         (shape, also)
     }
+}
+
+/// One texture or buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Slot {
+    pub class: u32,
+    /// The most that a tenant asks for.
+    pub bytes: u64,
+    /// The resource that is there first.
+    pub first: u32,
 }
 
 /// A transient and the positions in the plan's order at which it is used first and last.
@@ -70,8 +78,10 @@ pub(crate) const FOREVER: u32 = u32::MAX;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Slots {
     pub classes: Vec<ClassNeed>,
-    /// The class of each slot.
-    pub slots: Vec<u32>,
+    /// In the order of their first tenants.
+    pub slots: Vec<Slot>,
+    /// The slots from the largest to the smallest.
+    pub by_size: Vec<u32>,
     /// In the order of first use.
     pub tenants: Vec<Tenant>,
     /// For each resource its slot; `NONE` for what is not transient or not used.
@@ -93,25 +103,30 @@ pub(crate) fn slots(graph: &FrameGraph<'_>, order: &[u32], usage: &[Option<u32>]
                 class,
                 seen: [false; 2],
                 usage: 0,
-                bytes: 0,
             });
             classes.len() as u32 - 1
         });
         let need = &mut classes[tenant.class as usize];
         need.usage |= usage;
-        need.bytes = need.bytes.max(bytes(shape));
         if let Shape::Texture { format, .. } = shape {
             need.seen[format.is_srgb() as usize] = true;
         }
     }
-    let slots = assign(&mut tenants, classes.len(), !graph.debug.no_reuse);
+    let mut slots = assign(&mut tenants, classes.len(), !graph.debug.no_reuse);
     let mut of = vec![NONE; graph.resources.len()];
     for tenant in &tenants {
         of[tenant.resource as usize] = tenant.slot;
+        let slot = &mut slots[tenant.slot as usize];
+        slot.bytes = slot
+            .bytes
+            .max(bytes(&graph.resources[tenant.resource as usize].shape));
     }
+    let mut by_size: Vec<u32> = (0..slots.len() as u32).collect();
+    by_size.sort_by_key(|&slot| Reverse(slots[slot as usize].bytes));
     Slots {
         classes,
         slots,
+        by_size,
         tenants,
         of,
     }
@@ -155,22 +170,31 @@ fn tenants(graph: &FrameGraph<'_>, order: &[u32]) -> (Vec<Tenant>, Vec<bool>) {
 }
 
 /// Gives each tenant, sorted by first use, a slot of its class that nobody else has meanwhile, and returns
-/// the class of each slot. Without `reuse` each gets its own.
-fn assign(tenants: &mut [Tenant], classes: usize, reuse: bool) -> Vec<u32> {
+/// the slots, yet without their sizes. Without `reuse` each gets its own.
+fn assign(tenants: &mut [Tenant], classes: usize, reuse: bool) -> Vec<Slot> {
     let mut slots = Vec::new();
     let mut free = vec![VecDeque::new(); classes];
     let mut leaving: Vec<usize> = (0..tenants.len()).collect();
     leaving.sort_by_key(|&i| tenants[i].last);
     let mut leaving = leaving.into_iter().peekable();
     for i in 0..tenants.len() {
-        let Tenant { first, class, .. } = tenants[i];
+        let Tenant {
+            resource,
+            class,
+            first,
+            ..
+        } = tenants[i];
         while let Some(gone) = leaving.next_if(|&gone| reuse && tenants[gone].last < first) {
             free[tenants[gone].class as usize].push_back(tenants[gone].slot);
         }
         // The one that has been free for longest: what its last tenant did is likely to be over, and
         // the barrier between the two waits for nothing.
         tenants[i].slot = free[class as usize].pop_front().unwrap_or_else(|| {
-            slots.push(class);
+            slots.push(Slot {
+                class,
+                bytes: 0,
+                first: resource,
+            });
             slots.len() as u32 - 1
         });
     }
@@ -245,9 +269,9 @@ mod tests {
     #[test]
     fn a_tenant_that_reads_the_last_keeps_off_its_slot() {
         let mut all = [(0, 0, 1), (0, 1, 0), (0, 1, 2), (0, 2, 1)].map(tenant);
-        assert_eq!(assign(&mut all, 1, true), [0, 0, 0]);
+        assert_eq!(assign(&mut all, 1, true).len(), 3);
         assert_eq!(all.map(|t| t.slot), [0, 1, 2, 0]);
-        assert_eq!(assign(&mut all, 1, false), [0, 0, 0, 0]);
+        assert_eq!(assign(&mut all, 1, false).len(), 4);
         assert_eq!(all.map(|t| t.slot), [0, 1, 2, 3]);
     }
 
@@ -278,7 +302,7 @@ mod tests {
             all.sort_by_key(|t| t.first);
             let slots = assign(&mut all, 4, true);
             for (i, a) in all.iter().enumerate() {
-                prop_assert_eq!(slots[a.slot as usize], a.class);
+                prop_assert_eq!(slots[a.slot as usize].class, a.class);
                 for b in &all[..i] {
                     let together = a.first <= b.last && b.first <= a.last;
                     prop_assert!(a.slot != b.slot || !together, "{:?} {:?}", a, b);
@@ -289,7 +313,7 @@ mod tests {
                     all.iter().filter(|t| t.class == class && t.first <= at && at <= t.last).count()
                 };
                 let most = (0..60).map(live).max().unwrap_or(0);
-                prop_assert_eq!(slots.iter().filter(|c| **c == class).count(), most);
+                prop_assert_eq!(slots.iter().filter(|s| s.class == class).count(), most);
             }
         }
     }

@@ -63,12 +63,12 @@ pub struct PlanMemory {
 pub struct ClassMemory {
     /// What they have in common.
     pub shape: String,
-    /// Bytes of one slot.
-    pub slot_bytes: u64,
-    /// The most slots that are live at once, in bytes: less is impossible inside the class.
-    pub lower_bound: u64,
+    /// Its slots.
+    pub slots: usize,
+    /// The most of its transients that live at once: with fewer slots none can do.
+    pub least: usize,
     /// Of its slots.
-    pub achieved: u64,
+    pub bytes: u64,
 }
 
 /// One texture or buffer that transients share.
@@ -76,7 +76,7 @@ pub struct ClassMemory {
 pub struct SlotMemory {
     /// Index into [`PlanMemory::classes`].
     pub class: usize,
-    /// Bytes.
+    /// As many as the largest that lives there asked for.
     pub bytes: u64,
     /// Who lives there, in order.
     pub tenants: Vec<TenantMemory>,
@@ -112,15 +112,16 @@ impl Plan<'_> {
             classes: slots.classes.iter().map(ClassMemory::new).collect(),
             ..PlanMemory::default()
         };
-        for &class in &slots.slots {
-            let class = class as usize;
+        for slot in &slots.slots {
+            let class = slot.class as usize;
             memory.slots.push(SlotMemory {
                 class,
-                bytes: slots.classes[class].bytes,
+                bytes: slot.bytes,
                 tenants: Vec::new(),
             });
-            memory.classes[class].achieved += slots.classes[class].bytes;
-            memory.achieved += slots.classes[class].bytes;
+            memory.classes[class].slots += 1;
+            memory.classes[class].bytes += slot.bytes;
+            memory.achieved += slot.bytes;
         }
         let asked = |t: &Tenant| bytes(&graph.resources[t.resource as usize].shape);
         for t in &slots.tenants {
@@ -137,10 +138,11 @@ impl Plan<'_> {
         }
         let (lower_bound, at) = most(&slots.tenants, 1, |t| (0, asked(t)))[0];
         (memory.lower_bound, memory.peak) = (lower_bound, at.and_then(name));
-        let of_class = |t: &Tenant| (t.class as usize, slots.classes[t.class as usize].bytes);
-        let bounds = most(&slots.tenants, slots.classes.len(), of_class);
-        for (class, (lower_bound, _)) in memory.classes.iter_mut().zip(bounds) {
-            class.lower_bound = lower_bound;
+        let bounds = most(&slots.tenants, slots.classes.len(), |t| {
+            (t.class as usize, 1)
+        });
+        for (class, (least, _)) in memory.classes.iter_mut().zip(bounds) {
+            class.least = least as usize;
         }
         for h in &graph.histories {
             memory.histories += bytes(&h.shape) * u64::from(h.frames + 1);
@@ -149,7 +151,7 @@ impl Plan<'_> {
     }
 }
 
-/// For each group the most bytes that live at once, and the first position where they do, which is where
+/// For each group the most weight that lives at once, and the first position where it does, which is where
 /// something begins.
 fn most(
     tenants: &[Tenant],
@@ -163,11 +165,11 @@ fn most(
     let mut most = vec![(0, None); groups];
     for t in tenants {
         while let Some(gone) = leaving.next_if(|gone| gone.last < t.first) {
-            let (group, bytes) = weight(gone);
-            live[group] -= bytes;
+            let (group, weight) = weight(gone);
+            live[group] -= weight;
         }
-        let (group, bytes) = weight(t);
-        live[group] += bytes;
+        let (group, weight) = weight(t);
+        live[group] += weight;
         if live[group] > most[group].0 {
             most[group] = (live[group], Some(t.first));
         }
@@ -177,10 +179,7 @@ fn most(
 
 impl ClassMemory {
     fn new(need: &ClassNeed) -> Self {
-        let (mut shape, also) = need.real_shape();
-        if let Shape::Buffer { .. } = shape {
-            shape = need.class.shape;
-        }
+        let (shape, also) = need.real_shape();
         let mut text = match (shape, need.class.exact) {
             (Shape::Buffer { bytes }, false) => format!("at most {bytes} bytes"),
             _ => shape.to_string(),
@@ -196,9 +195,9 @@ impl ClassMemory {
         }
         ClassMemory {
             shape: text,
-            slot_bytes: need.bytes,
-            lower_bound: 0,
-            achieved: 0,
+            slots: 0,
+            least: 0,
+            bytes: 0,
         }
     }
 }
@@ -216,8 +215,8 @@ impl fmt::Display for PlanMemory {
         for (i, class) in self.classes.iter().enumerate() {
             writeln!(
                 f,
-                "class {}: lower bound {} bytes, achieved {} bytes",
-                class.shape, class.lower_bound, class.achieved
+                "class {}: {} slots, at least {}, {} bytes",
+                class.shape, class.slots, class.least, class.bytes
             )?;
             for (n, slot) in self.slots.iter().enumerate().filter(|(_, s)| s.class == i) {
                 write!(f, "  slot {n}, {} bytes:", slot.bytes)?;

@@ -160,10 +160,11 @@ struct Item {
 }
 
 impl Item {
-    /// What can do more comes first: so plans that take turns find the same one.
-    fn rank(&self) -> (u32, u64) {
+    /// What can do more comes first: so plans that take turns find the same one, and as slots come from the
+    /// largest to the smallest, what does not fit one of them does not fit the next either.
+    fn rank(&self) -> (u64, u32) {
         let size = self.physical.buffer().map_or(0, wgpu::Buffer::size);
-        (self.physical.usage().count_ones(), size)
+        (size, self.physical.usage().count_ones())
     }
 }
 
@@ -171,8 +172,7 @@ impl Item {
 #[derive(Default)]
 struct Items {
     list: Vec<Item>,
-    /// Whatever stands before this is taken or does not fit, in the encode of this number: within one,
-    /// all of a class need the same.
+    /// Whatever stands before this is taken or does not fit, in the encode of this number.
     next: (u64, usize),
 }
 
@@ -198,17 +198,24 @@ impl Store {
         slots: &Slots,
         memory: &mut Vec<Physical>,
     ) {
-        for tenant in &slots.tenants {
-            // Slots are numbered in the order of their first tenants.
-            if tenant.slot as usize == memory.len() {
-                let label = &graph.resources[tenant.resource as usize].label;
-                memory.push(self.take(device, label, &slots.classes[tenant.class as usize]));
-            }
+        memory.clear();
+        memory.resize(slots.slots.len(), Physical::None);
+        for &i in &slots.by_size {
+            let slot = &slots.slots[i as usize];
+            let label = &graph.resources[slot.first as usize].label;
+            let need = &slots.classes[slot.class as usize];
+            memory[i as usize] = self.take(device, label, need, slot.bytes);
         }
     }
 
     /// One that nobody else has in this encode. Its contents are whatever was there.
-    fn take(&mut self, device: &wgpu::Device, label: &Label, need: &ClassNeed) -> Physical {
+    fn take(
+        &mut self,
+        device: &wgpu::Device,
+        label: &Label,
+        need: &ClassNeed,
+        bytes: u64,
+    ) -> Physical {
         let Items { list, next } = self.classes.entry((need.class, need.seen)).or_default();
         if next.0 != self.now {
             *next = (self.now, 0);
@@ -216,7 +223,7 @@ impl Store {
         while let Some(item) = list.get_mut(next.1) {
             next.1 += 1;
             let enough = match &item.physical {
-                Physical::Buffer(buffer, ..) => buffer.size() >= need.bytes,
+                Physical::Buffer(buffer, ..) => buffer.size() >= bytes,
                 _ => true,
             };
             if enough && item.physical.usage() & need.usage == need.usage {
@@ -229,7 +236,10 @@ impl Store {
         let usage = list
             .iter()
             .fold(need.usage, |usage, item| usage | item.physical.usage());
-        let (shape, view) = need.real_shape();
+        let (mut shape, view) = need.real_shape();
+        if let Shape::Buffer { bytes: size } = &mut shape {
+            *size = bytes;
+        }
         let physical = Physical::create(device, label, &shape, usage, view.as_slice());
         let item = Item {
             physical: physical.clone(),

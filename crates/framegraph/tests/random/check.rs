@@ -407,18 +407,17 @@ fn check_slots(frame: &Frame, plan: &Plan<'_>, debug: &Debug) -> Result<(), Stri
             let here = tenants
                 .iter()
                 .filter(|t| t.1 == c && at_once(t.2, (at, at)));
-            here.count() as u64
+            here.count()
         };
         let most = (0..plan.order().len()).map(live).max().unwrap_or(0);
-        let bound = most * class.slot_bytes;
         ensure!(
-            class.lower_bound == bound,
-            "{class:?} needs {bound} bytes\n{plan}{memory}"
+            class.least == most,
+            "{class:?} needs {most} slots\n{plan}{memory}"
         );
-        let right = debug.no_reuse || class.achieved == bound;
+        let right = debug.no_reuse || class.slots == most;
         ensure!(
             right,
-            "{class:?} has more than {bound} bytes\n{plan}{memory}"
+            "{class:?} has more than {most} slots\n{plan}{memory}"
         );
     }
     Ok(())
