@@ -90,6 +90,8 @@ codes! {
     Dispatch = "FG022",
     /// What a node that may be off leaves without contents is needed.
     SwitchedOff = "FG023",
+    /// A history is reset after the frame declared it.
+    LateReset = "FG024",
     /// Warning: a node whose results nobody needs was dropped.
     DeadNode = "FG101",
     /// Warning: a node that runs has an output that nobody reads.
@@ -102,6 +104,8 @@ codes! {
     SplitToMeasure = "FG105",
     /// Warning: something to capture is not there.
     Capture = "FG106",
+    /// Warning: a clear that a raster node could do by itself.
+    LoadOfClear = "FG107",
 }
 
 impl fmt::Display for Code {

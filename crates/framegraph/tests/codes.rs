@@ -155,12 +155,14 @@ fn example(code: Code) -> fn(&mut Pool, &Given) -> Vec<Code> {
         Code::PartialHistory => fg021,
         Code::Dispatch => fg022,
         Code::SwitchedOff => fg023,
+        Code::LateReset => fg024,
         Code::DeadNode => fg101,
         Code::Unread => fg102,
         Code::HistoryUnwritten => fg103,
         Code::NoTimestamps => fg104,
         Code::SplitToMeasure => fg105,
         Code::Capture => fg106,
+        Code::LoadOfClear => fg107,
     }
 }
 
@@ -557,6 +559,17 @@ fn fg023(pool: &mut Pool, given: &Given) -> Vec<Code> {
     codes(graph)
 }
 
+fn fg024(pool: &mut Pool, _: &Given) -> Vec<Code> {
+    let desc = DESC;
+    let params = PARAMS;
+    // FG024
+    let mut graph = pool.frame(params);
+    graph.history_texture("radiance", desc, 1, First::Clear([0.0; 4]));
+    graph.reset_history("radiance", "camera cut");
+    // end
+    codes(graph)
+}
+
 fn fg101(pool: &mut Pool, given: &Given) -> Vec<Code> {
     let Given { fill, .. } = given;
     let desc = DESC;
@@ -645,6 +658,22 @@ fn fg106(pool: &mut Pool, given: &Given) -> Vec<Code> {
     let radiance = node.overwrite("out", radiance);
     node.dispatch_texels([64, 64]);
     graph.export_texture("result", radiance);
+    // end
+    codes(graph)
+}
+
+fn fg107(pool: &mut Pool, given: &Given) -> Vec<Code> {
+    let Given { draw, .. } = given;
+    let desc = DESC;
+    let params = PARAMS;
+    // FG107
+    let mut graph = pool.frame(params);
+    let image = graph.texture("image", desc);
+    let image = graph.clear_texture("clear", image, [0.0; 4]);
+    let mut node = graph.raster("draw", draw);
+    let image = node.color(0, image, Load::Load);
+    node.draw(|pass| pass.draw(0..3, 0..1));
+    graph.export_texture("result", image);
     // end
     codes(graph)
 }

@@ -363,7 +363,7 @@ fn sizes_and_usage() {
             "FG019 `layers` is declared with 0 layers",
             "FG019 `odd` is 3 bytes",
             "FG020 `target` lacks TextureUsages(STORAGE_BINDING)",
-            "FG020 `e5` lacks TextureUsages(RENDER_ATTACHMENT)",
+            "FG020 `e5` (64x64 Rgb9e5Ufloat) cannot be cleared to [1.0, 1.0, 1.0, 1.0], because it cannot be a target",
         ],
     );
     assert_eq!(errors.0[1].help, "a texture of 64 x 64 has 1 to 7");

@@ -426,3 +426,84 @@ fn samplers_external_groups_and_indirect_dispatch() {
     // Four workgroups of eight texels cover the left half.
     assert_eq!((texels[31], texels[32]), (1.5, 9.0));
 }
+
+/// What cannot be a target is cleared to zeros by copies: a format, and a volume of the engine.
+/// ```text
+/// clear -> snorm -> increment -> read => export;  clear -> volume
+/// ```
+#[test]
+fn clears_without_a_target() {
+    let Some((device, queue)) = real(wgpu::Features::empty()) else {
+        return;
+    };
+    let k = Kernels::new(&device);
+    let mut pool = Pool::new(&device, &queue);
+    let snorm = TextureDesc {
+        format: wgpu::TextureFormat::Rgba8Snorm,
+        ..R32
+    };
+    let size = wgpu::Extent3d {
+        width: 5,
+        height: 3,
+        depth_or_array_layers: 4,
+    };
+    let volume = device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size,
+        mip_level_count: 2,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D3,
+        format: wgpu::TextureFormat::R32Float,
+        usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(20),
+        rows_per_image: Some(3),
+    };
+    queue.write_texture(volume.as_image_copy(), &[1; 20 * 3 * 4], layout, size);
+    pool.debug().capture = vec![Capture::version("volume", 0), Capture::last("volume")];
+    // Clobbered first, so that it is the clear that makes zeros.
+    pool.debug().clobber = true;
+    let mut fg = pool.frame(FRAME);
+    let (t, read) = (fg.texture("snorm", snorm), fg.texture("read", R32));
+    let t = fg.clear_texture("clear", t, [0.0; 4]);
+    let read = increment(&mut fg, &k, "increment", t, read);
+    fg.export_texture("read", read);
+    let v = fg.import_texture("volume", &volume);
+    fg.clear_texture("clear volume", v, [0.0; 4]);
+    let plan = fg.compile().unwrap();
+    assert!(
+        plan.to_string().contains("snorm: undefined -> copy-target"),
+        "{plan}"
+    );
+    run(&device, &queue, &mut pool, plan);
+    let texels = download(&device, &queue, pool.exported_texture("read").unwrap());
+    assert!(texels.iter().all(|&t| t == 1.0));
+    let captured = pool.captured().unwrap();
+    let sizes: Vec<_> = captured[1]
+        .parts
+        .iter()
+        .map(|p| (p.mip, p.layer, p.size))
+        .collect();
+    let (mip0, mip1) = ([5, 3], [2, 1]);
+    let want = (0..4)
+        .map(|z| (0, z, mip0))
+        .chain((0..2).map(|z| (1, z, mip1)));
+    assert!(want.eq(sizes), "{captured:?}");
+    assert!(captured[0].parts[..4].iter().all(|p| p.bytes == [1; 60]));
+    assert!(
+        captured[1]
+            .parts
+            .iter()
+            .all(|p| p.bytes.iter().all(|b| *b == 0))
+    );
+
+    let mut fg = pool.frame(FRAME);
+    let v = fg.import_texture("volume", &volume);
+    fg.clear_texture("clear volume", v, [1.0; 4]);
+    let errors = fg.compile().err().unwrap();
+    assert_eq!(errors.0[0].code, Code::Usage);
+    assert!(errors.to_string().contains("clear it to zeros"), "{errors}");
+}

@@ -49,7 +49,9 @@ fn first_frame_clear() {
             frames: 1,
             since: 0,
             written: 0,
-            reset: Reset::FirstFrame
+            reset: Reset::FirstFrame,
+            numbers: vec![0],
+            resets: vec![(0, Reset::FirstFrame)],
         }
     );
     let plan = temporal(
@@ -285,4 +287,64 @@ fn more_usage_resets_nothing() {
     assert!(plan.steps().iter().all(|s| s.kind != StepKind::Clear));
     run(&device, &queue, &mut pool, plan);
     assert_eq!(pool.history("h").unwrap().since, 0);
+}
+
+/// A graph resets a history that it declares afterwards; one that it does not declare, for the frame that
+/// does. `First::Skip` then leaves a gap, and it can be read where the gap is and why.
+/// `h@-1, h@-2 -> look; produce -> h` in every frame but the fourth
+#[test]
+fn gaps_and_their_reasons_are_readable() {
+    let (device, queue, k, mut pool) = setup();
+    let mut frame = |frame: u64, reset: Option<&str>, declare: bool| {
+        let mut fg = pool.frame(FrameParams { frame, ..FRAME });
+        if let Some(reason) = reset {
+            fg.reset_history("h", reason);
+        }
+        let mut there = Vec::new();
+        if declare {
+            let h = fg.history_texture("h", R32, 2, First::Skip);
+            for previous in h.previous.iter() {
+                there.push(previous.is_some());
+                previous.iter().for_each(|p| look(&mut fg, &k, "look", *p));
+            }
+            produce(&mut fg, &k, "produce", h.current);
+        }
+        let plan = fg.compile().unwrap();
+        run(&device, &queue, &mut pool, plan);
+        (there, pool.history("h").unwrap())
+    };
+    assert_eq!(frame(0, None, true).0, [false, false]);
+    assert_eq!(frame(1, None, true).0, [true, false]);
+    let (there, info) = frame(2, None, true);
+    assert_eq!((there, info.numbers), (vec![true, true], vec![2, 1]));
+    frame(3, None, false);
+    let (there, info) = frame(4, None, true);
+    assert_eq!(
+        (there, info.numbers),
+        (vec![true, true], vec![4, 2]),
+        "3 did not write it"
+    );
+    let (there, info) = frame(5, Some("camera cut"), true);
+    assert_eq!((there, info.numbers), (vec![false, false], vec![5]));
+    let (_, info) = frame(6, Some("new scene"), false);
+    assert_eq!((info.frames, info.numbers), (0, vec![]));
+    let (there, info) = frame(7, None, true);
+    assert_eq!((there, &info.numbers), (vec![false, false], &vec![7]));
+    let why: Vec<String> = info
+        .resets
+        .iter()
+        .map(|(n, r)| format!("{n} {r}"))
+        .collect();
+    assert_eq!(
+        why,
+        ["0 first frame", "5 asked: camera cut", "7 asked: new scene"]
+    );
+    for n in 8..20 {
+        frame(n, Some("again"), true);
+    }
+    let (_, info) = frame(20, None, true);
+    assert_eq!(
+        (info.resets.len(), info.resets[7].0, info.since),
+        (8, 19, 19)
+    );
 }

@@ -114,6 +114,7 @@ impl<'f> FrameGraph<'f> {
         s.slots = slots::slots(self, &s.order, &s.usage);
         steps::steps(self, table, states, s);
         notices::whole(self, table, contents, &needed.wanted, s);
+        notices::loads(self, contents, s);
         Ok(lock(&self.shared.plans).keep(self, room))
     }
 }

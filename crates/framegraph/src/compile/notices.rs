@@ -2,8 +2,9 @@
 
 use super::{NONE, Schedule, Table, contents::Contents};
 use crate::error::{Code, Warning};
-use crate::graph::FrameGraph;
+use crate::graph::{FrameGraph, Work};
 use crate::plan::StepKind;
+use crate::state::{Mode, State};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Notice {
@@ -15,6 +16,8 @@ pub(crate) enum Notice {
     HistoryUnwritten(u32),
     NoTimestamps,
     SplitToMeasure,
+    /// This attachment loads what this other access has cleared for nobody else.
+    LoadOfClear(u32, u32),
 }
 
 /// Why nobody needs a node.
@@ -48,6 +51,36 @@ pub(super) fn whole(
         .any(|s| (s[0].kind, s[1].kind) == (StepKind::EndCompute, StepKind::BeginCompute));
     if split && !graph.debug.no_group {
         s.notices.push(Notice::SplitToMeasure);
+    }
+}
+
+/// Loads that could be discards: of what a node only cleared, and that nobody else reads.
+pub(super) fn loads(graph: &FrameGraph<'_>, contents: &Contents, s: &mut Schedule) {
+    let is_clear = |n: u32| matches!(graph.nodes[n as usize].work, Work::Clear(_));
+    if !s.order.iter().any(|&n| is_clear(n)) {
+        return;
+    }
+    let mut users = vec![0u32; graph.accesses.len()];
+    for &n in &s.order {
+        for &access in contents.needs(n) {
+            users[access as usize] += 1;
+        }
+    }
+    for i in 0..graph.accesses.len() as u32 {
+        let a = &graph.accesses[i as usize];
+        let attached = matches!(a.state, State::ColorTarget | State::DepthTarget);
+        // What may be off leaves what was cleared.
+        let attached = attached && graph.nodes[a.node as usize].switch.is_none();
+        if !attached || a.mode != Mode::Modify || !s.live[a.node as usize] {
+            continue;
+        }
+        let clears = contents.needs(a.node).iter().filter(|&&w| {
+            let by = &graph.accesses[w as usize];
+            let same = (by.resource, by.range) == (a.resource, a.range);
+            let whole = by.mode == Mode::Overwrite && is_clear(by.node);
+            same && whole && users[w as usize] == 1
+        });
+        s.notices.extend(clears.map(|&w| Notice::LoadOfClear(i, w)));
     }
 }
 
@@ -93,6 +126,19 @@ impl Notice {
                 let message =
                     "timestamps are asked for, and the device was made without TIMESTAMP_QUERY";
                 (Code::NoTimestamps, message.into(), None)
+            }
+            Notice::LoadOfClear(load, clear) => {
+                let (a, by) = (
+                    &graph.accesses[load as usize],
+                    &graph.accesses[clear as usize],
+                );
+                let message = format!(
+                    "`{}` loads `{}`, which `{}` has cleared for nobody else: attach it with `Load::Clear`",
+                    node(a.node).label,
+                    name(load),
+                    node(by.node).label
+                );
+                (Code::LoadOfClear, message, Some(a.site))
             }
             Notice::SplitToMeasure => {
                 let message = "groups of dispatches are split to be measured: the device was made \

@@ -9,13 +9,14 @@ use std::sync::atomic::Ordering;
 
 pub(crate) use bind::BoundGroups;
 
+use crate::HistoryInfo;
 use crate::compile::groups_dispatches;
 use crate::error::EncodeError;
 use crate::graph::{Import, Kind, RingState, Work, age_label};
 use crate::handle::{Buffer, Raw, Texture, View};
 use crate::plan::{Plan, StepKind};
 use crate::pool::{Physical, Pool};
-use crate::{HistoryInfo, Reset};
+use crate::state::State;
 
 /// The real resources of a plan while it is encoded, for foreign nodes.
 pub struct Resources<'a> {
@@ -235,13 +236,11 @@ impl<'f> Plan<'f> {
             }
             Work::Clear(value) => {
                 let access = self.graph.accesses[accesses.start as usize];
-                self.clear(
-                    encoder,
-                    pool,
-                    &physical[access.resource as usize],
-                    access.range,
-                    value,
-                );
+                let memory = &physical[access.resource as usize];
+                match access.state {
+                    State::CopyTarget => pool.patterns.fill(&pool.device, encoder, memory, 0),
+                    _ => self.clear(encoder, pool, memory, access.range, value),
+                }
             }
             Work::Zero => {
                 if let Physical::Buffer(buffer, _, bytes) = at(0) {
@@ -277,23 +276,23 @@ impl<'f> Plan<'f> {
     /// Tells the pool what became of each history.
     fn advance(&mut self, pool: &mut Pool) {
         let graph = &mut self.graph;
+        // So that the pool's own state is the only one, and is changed in place.
+        graph.states = pool.no_states.clone();
+        for (key, reason) in graph.resets.drain(..) {
+            if graph.histories.iter().all(|h| h.key != key) {
+                pool.reset_history(&key, &reason);
+            }
+        }
         if graph.histories.is_empty() {
             return;
         }
-        // So that the pool's own state is the only one, and is changed in place.
-        graph.states = pool.no_states.clone();
         let frame = graph.params.frame;
         let states = Arc::make_mut(&mut pool.states);
         for (h, need) in graph.histories.iter_mut().zip(&self.schedule.rings) {
             let state = states.entry(h.key.clone()).or_insert_with(|| RingState {
                 shape: h.shape,
                 frames: h.frames,
-                info: HistoryInfo {
-                    frames: 0,
-                    since: frame,
-                    written: frame,
-                    reset: Reset::FirstFrame,
-                },
+                info: HistoryInfo::new(frame),
                 head: 0,
                 pending: None,
                 ages: Vec::new(),
@@ -303,14 +302,9 @@ impl<'f> Plan<'f> {
             state.ages.extend(ages);
             (state.shape, state.frames, state.head, state.pending) =
                 (h.shape, h.frames, h.head, None);
-            state.info.frames = h.kept;
-            if let Some(reset) = h.reset.take() {
-                state.info.since = frame;
-                state.info.reset = reset;
-            }
+            state.info.begin(frame, h.kept, h.reset.take());
             if need.written {
-                state.info.frames = (h.kept + 1).min(h.frames);
-                state.info.written = frame;
+                state.info.write(frame, h.frames);
                 state.head = (h.head + 1) % (h.frames + 1);
             }
         }

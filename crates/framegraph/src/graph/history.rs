@@ -80,7 +80,8 @@ pub enum Reset {
         /// What it is.
         to: String,
     },
-    /// [`Pool::reset_history`](crate::Pool::reset_history) was called.
+    /// [`Pool::reset_history`](crate::Pool::reset_history) or
+    /// [`FrameGraph::reset_history`](crate::FrameGraph::reset_history) was called.
     Asked(String),
 }
 
@@ -105,6 +106,49 @@ pub struct HistoryInfo {
     pub written: u64,
     /// Why it was last reset.
     pub reset: Reset,
+    /// The numbers of the past frames that hold contents, youngest first: `previous[i]` is of frame
+    /// `numbers[i]`. Where they are not consecutive, frames between did not write it.
+    pub numbers: Vec<u64>,
+    /// The last resets that a frame obeyed, oldest first, at most eight: the number of the frame, and why.
+    pub resets: Vec<(u64, Reset)>,
+}
+
+impl HistoryInfo {
+    const RESETS: usize = 8;
+
+    /// Before any frame.
+    pub(crate) fn new(frame: u64) -> Self {
+        HistoryInfo {
+            frames: 0,
+            since: frame,
+            written: frame,
+            reset: Reset::FirstFrame,
+            numbers: Vec::new(),
+            resets: Vec::new(),
+        }
+    }
+
+    /// A frame that found only so many past frames, because of a reset or not.
+    pub(crate) fn begin(&mut self, frame: u64, kept: u32, reset: Option<Reset>) {
+        self.frames = kept;
+        self.numbers.truncate(kept as usize);
+        if let Some(reset) = reset {
+            self.since = frame;
+            self.reset = reset.clone();
+            if self.resets.len() == Self::RESETS {
+                self.resets.remove(0);
+            }
+            self.resets.push((frame, reset));
+        }
+    }
+
+    /// The frame wrote it; of the past, at most `most` frames are kept.
+    pub(crate) fn write(&mut self, frame: u64, most: u32) {
+        self.written = frame;
+        self.numbers.insert(0, frame);
+        self.numbers.truncate(most as usize);
+        self.frames = self.numbers.len() as u32;
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -204,6 +248,26 @@ impl FrameGraph<'_> {
         }
     }
 
+    /// Makes this frame find no past frames of a history that it declares afterwards, so that its rule for
+    /// the first frame applies. The reason is kept. The next frame that declares it is meant when this one
+    /// does not. Does nothing when there is no such history.
+    #[track_caller]
+    pub fn reset_history(&mut self, key: impl Into<Label>, reason: &str) {
+        let (site, key) = (here(), key.into());
+        if let Some(history) = self.histories.iter().find(|h| h.key == key) {
+            let error = GraphError::new(
+                Code::LateReset,
+                format!("the history `{key}` is reset after it was declared"),
+                site,
+                "reset it first: its declaration decides which past frames there are",
+            );
+            let error = error.with("declared", history.site);
+            self.errors.push(error);
+            return;
+        }
+        self.resets.push((key, reason.to_owned()));
+    }
+
     fn history<T>(
         &mut self,
         key: Label,
@@ -251,7 +315,10 @@ impl FrameGraph<'_> {
                 head,
                 ..
             }) => (0, *head, Some(reason.clone())),
-            Some(s) => (s.info.frames, s.head, None),
+            Some(s) => match self.resets.iter().find(|(k, _)| *k == key) {
+                Some((_, reason)) => (0, s.head, Some(Reset::Asked(reason.clone()))),
+                None => (s.info.frames, s.head, None),
+            },
         };
         let history = self.histories.len() as u32;
         let skipped = matches!(fill, Fill::Skip) && kept < frames;

@@ -77,6 +77,8 @@ pub struct FrameGraph<'f> {
     pub(crate) upload: Vec<u8>,
     pub(crate) exports: Vec<Export>,
     pub(crate) histories: Vec<HistoryUse>,
+    /// Histories that this frame resets, and why.
+    pub(crate) resets: Vec<(Label, String)>,
     /// What the device can do with the formats asked for so far.
     formats: Vec<(wgpu::TextureFormat, FormatCaps)>,
     /// Of the node that is being declared.
@@ -305,6 +307,7 @@ impl<'f> FrameGraph<'f> {
             upload: arena.upload,
             exports: arena.exports,
             histories: arena.histories,
+            resets: Vec::new(),
             formats: arena.formats,
             stand_ins: arena.stand_ins,
             scratch: arena.scratch,

@@ -64,7 +64,8 @@ impl FrameGraph<'_> {
 
     /// Sets every texel of every mip and layer to `value` and returns the next version. Integer formats
     /// take the value's integer part; of formats with depth and stencil, depth takes the first component and
-    /// stencil the second.
+    /// stencil the second. What cannot be a target (some formats, three-dimensional textures) can only be
+    /// cleared to zeros.
     #[track_caller]
     pub fn clear_texture(
         &mut self,
@@ -94,15 +95,31 @@ impl FrameGraph<'_> {
         else {
             return Texture(Raw::POISON);
         };
-        if depth > 0 {
-            let label = &self.resources[resource].label;
-            let message = format!("`{label}` is three-dimensional and cannot be cleared");
-            self.fail(Code::Dimension, message, site, "write it with a kernel");
-        }
+        let target = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let r = &self.resources[resource];
+        let allowed = wgpu::TextureUsages::from_bits_truncate(r.allowed);
+        // What is surely a target is cleared as one; anything can be copied zeros to.
+        let features = self.caps.features;
+        let surely = || format.guaranteed_format_features(features).allowed_usages;
+        let as_target = depth == 0 && allowed.contains(target);
         let state = if format.is_depth_stencil_format() {
             State::DepthTarget
-        } else {
+        } else if value == [0.0; 4] && !(as_target && surely().contains(target)) {
+            State::CopyTarget
+        } else if as_target {
             State::ColorTarget
+        } else {
+            let message = format!(
+                "`{}` ({}) cannot be cleared to {value:?}, because it cannot be a target",
+                r.label, r.shape
+            );
+            self.fail(
+                Code::Usage,
+                message,
+                site,
+                "clear it to zeros, or write it with a kernel",
+            );
+            return Texture(Raw::POISON);
         };
         Texture(self.whole(node, texture.0, Mode::Overwrite, state, site))
     }

@@ -157,6 +157,7 @@ impl Pool {
         if let Some(state) = Arc::make_mut(&mut self.states).get_mut(key) {
             state.pending = Some(Reset::Asked(reason.into()));
             state.info.frames = 0;
+            state.info.numbers.clear();
             state.info.reset = Reset::Asked(reason.into());
         }
     }
