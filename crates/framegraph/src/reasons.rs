@@ -24,9 +24,8 @@ pub enum Reason {
         between: Label,
         /// What that is.
         kind: StepKind,
-        /// The node in the pass of the earlier dispatch that this work waits for in turn; `None`
-        /// when it waits for nothing there, and only the order put it after that pass.
-        earlier: Option<Label>,
+        /// What this work waits for in turn: the earlier dispatch, or one that shares its pass.
+        earlier: Label,
     },
     /// Nothing forces it: the order put other work between them.
     Order {
@@ -52,13 +51,11 @@ impl fmt::Display for Reason {
                 between,
                 kind,
                 earlier,
-            } => {
-                write!(f, "`{later}` waits for {} `{between}`", kind.verb())?;
-                match earlier {
-                    Some(earlier) => write!(f, ", which waits for `{earlier}`"),
-                    None => Ok(()),
-                }
-            }
+            } => write!(
+                f,
+                "`{later}` waits for {} `{between}`, which waits for `{earlier}`",
+                kind.verb()
+            ),
             Reason::Order { between, kind } => {
                 write!(f, "{} `{between}` runs in between", kind.verb())
             }
@@ -172,44 +169,35 @@ impl<'p, 'f> Passes<'p, 'f> {
         let order = self.plan.order();
         let name = |place: u32| graph.nodes[order[place as usize] as usize].label.clone();
         let kind = |place: u32| StepKind::of(&graph.nodes[order[place as usize] as usize].work);
-        let other = |place: &u32| kind(*place) != StepKind::Dispatch;
         let run = self.runs[first as usize];
-        // Other work that the later dispatch waits for; of it, what waits for the earlier one is the
-        // best reason, then what waits for a neighbour of that in its pass.
-        let awaited = self.waits_for(last, run);
-        let between: Vec<u32> = awaited
-            .iter()
-            .copied()
-            .filter(|&x| x > first && other(&x))
-            .collect();
-        let mut neighbour = None;
-        for &x in &between {
+        // Other work that the later dispatch waits for, and what that waits for in the earlier pass: best
+        // the earlier dispatch itself, else a neighbour.
+        let mut found: Option<(u32, u32)> = None;
+        for x in self.waits_for(last, run) {
+            if x < first || kind(x) == StepKind::Dispatch {
+                continue;
+            }
             let behind = self.waits_for(x, run);
             if behind.contains(&first) {
-                return Some(Reason::Waits {
-                    later: name(last),
-                    between: name(x),
-                    kind: kind(x),
-                    earlier: Some(name(first)),
-                });
+                found = Some((x, first));
+                break;
             }
             let in_pass = |y: &u32| self.runs[*y as usize] == run;
-            neighbour = neighbour.or(behind.into_iter().rfind(in_pass).map(|y| (x, y)));
+            found = found.or(behind.into_iter().rfind(in_pass).map(|y| (x, y)));
         }
-        let waits = |x: u32, earlier: Option<u32>| Reason::Waits {
-            later: name(last),
-            between: name(x),
-            kind: kind(x),
-            earlier: earlier.map(name),
-        };
-        match (neighbour, between.first()) {
-            (Some((x, y)), _) => Some(waits(x, Some(y))),
-            (None, Some(&x)) => Some(waits(x, None)),
-            (None, None) => (first + 1..last).find(other).map(|x| Reason::Order {
+        if let Some((x, y)) = found {
+            return Some(Reason::Waits {
+                later: name(last),
                 between: name(x),
                 kind: kind(x),
-            }),
+                earlier: name(y),
+            });
         }
+        let between = (first + 1..last).find(|&x| kind(x) != StepKind::Dispatch)?;
+        Some(Reason::Order {
+            between: name(between),
+            kind: kind(between),
+        })
     }
 
     /// The places, not before `from`, of all that the node at `place` waits for, in order.

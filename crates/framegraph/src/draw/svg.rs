@@ -6,8 +6,8 @@ use std::fmt::{Display, Write};
 /// DejaVu have 0.60, Consolas less.
 const ADVANCE: f64 = 0.605;
 
-/// Paul Tol's "muted" qualitative scheme (2021), which people with any colour vision tell apart on
-/// white; the order keeps the nearest pairs away from each other.
+/// Paul Tol's "muted" qualitative scheme (2021), which people with any colour vision tell apart, its sand
+/// darkened to be seen on white; the order keeps the nearest pairs away from each other.
 const PALETTE: [&str; 9] = [
     "#332288", "#cc6677", "#117733", "#ddaa33", "#88ccee", "#882255", "#44aa99", "#999933",
     "#aa4499",
