@@ -318,6 +318,34 @@ fn no_text_of_a_picture_covers_another() {
     }
 }
 
+/// A node that is switched off keeps its place, and the drawings say that it is off.
+/// ```text
+/// produce -> a.1 -> bump (off) -> a.2 => export
+/// ```
+#[test]
+fn what_is_off_is_drawn_as_off() {
+    let (device, queue) = noop();
+    let (k, pool) = (Kernels::new(&device), Pool::new(&device, &queue));
+    let mut fg = pool.frame(FRAME);
+    let a = fg.texture("a", R32);
+    let a = produce(&mut fg, &k, "produce", a);
+    let mut node = fg.compute("bump", &k.bump);
+    node.enabled_if(false);
+    let a = node.modify("value", a);
+    node.dispatch([8, 8, 1]);
+    fg.export_texture("a", a);
+    let plan = fg.compile().unwrap();
+    assert!(
+        words(&plan.svg())
+            .iter()
+            .any(|w| w.text == "dispatch 8x8x1, off")
+    );
+    assert!(plan.dot().contains("<b>bump</b> dispatch 8x8x1, off"));
+    let json: serde_json::Value = serde_json::from_str(&plan.json()).unwrap();
+    let off = |n: usize| json["nodes"][n]["off"].as_bool().unwrap();
+    assert_eq!([off(0), off(1)], [false, true]);
+}
+
 /// Nothing to draw is drawn too.
 #[test]
 fn an_empty_plan_has_a_picture() {

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::flow::detail;
 use super::snapshot::Snapshot;
 use super::svg::{escape, tint};
 use crate::compile::Hazard;
@@ -122,7 +123,7 @@ fn table(s: &Snapshot, n: usize) -> String {
         "n{n} [label=<<table border=\"1\" cellborder=\"0\" cellspacing=\"0\">{}<tr><td><b>{}</b> {}</td></tr>{}</table>>];",
         row(ins),
         escape(&node.name),
-        node.kind.verb(),
+        escape(&detail(node)),
         row(outs)
     )
 }

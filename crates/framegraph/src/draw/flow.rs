@@ -313,6 +313,9 @@ pub(super) fn detail(node: &NodeInfo) -> String {
     if let Some([x, y, z]) = node.workgroups {
         text += &format!(" {x}x{y}x{z}");
     }
+    if node.off {
+        text += ", off";
+    }
     if let Some(reason) = node.side_effect {
         text += &format!(" ({reason})");
     }

@@ -86,6 +86,7 @@ impl Picture<'_> {
                         format_args!("rx=\"3\" fill=\"#ffffff\" stroke=\"{GREY}\""),
                     );
                     let fill = match node.kind {
+                        _ if node.off => "#ffffff",
                         StepKind::Dispatch => "#dde7f5",
                         StepKind::Raster => "#fbe5d0",
                         StepKind::Foreign => "#eedff2",

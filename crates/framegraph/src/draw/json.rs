@@ -155,6 +155,7 @@ fn node(j: &mut Json, s: &Snapshot, n: usize) {
         j.key("name").string(&node.name);
         j.key("kind").string(node.kind.verb());
         j.key("live").plain(node.live);
+        j.key("off").plain(node.off);
         j.key("pass").maybe(node.pass);
         if let Some(workgroups) = node.workgroups {
             j.key("workgroups").array(workgroups, Json::plain);

@@ -50,6 +50,8 @@ pub struct NodeInfo {
     pub workgroups: Option<[u32; 3]>,
     /// Whether it runs.
     pub live: bool,
+    /// Whether it is switched off in this frame, and only keeps its place.
+    pub off: bool,
     /// Index into [`Snapshot::passes`], of a dispatch that runs.
     pub pass: Option<u32>,
     /// Why it is kept whatever becomes of its results.
@@ -203,6 +205,7 @@ fn node_info(node: &Node) -> NodeInfo {
             _ => None,
         },
         live: false,
+        off: node.switch == Some(false),
         pass: None,
         side_effect: node.side_effect,
         uses: node.accesses.clone(),
