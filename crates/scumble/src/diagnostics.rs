@@ -4,10 +4,13 @@
 //! with excerpts; as a [`miette::Diagnostic`] it can be shown in colour.
 
 mod codes;
+mod nearest;
 mod render;
 mod source;
 
 pub use codes::{ALL_CODES, Code, code};
+pub(crate) use nearest::hint;
+pub use nearest::nearest;
 pub use source::{SourceFile, Span, Spanned};
 
 /// One mistake.
@@ -133,20 +136,6 @@ impl From<Diagnostic> for Diagnostics {
     fn from(diagnostic: Diagnostic) -> Self {
         Self(vec![diagnostic])
     }
-}
-
-/// The candidate that is most like `name`, when one is alike enough to be what was meant.
-pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let wanted = name.to_lowercase();
-    let scored = candidates.into_iter().map(|candidate| {
-        let score = strsim::jaro_winkler(&wanted, &candidate.to_lowercase());
-        (score, candidate)
-    });
-    scored
-        // Below this, Jaro-Winkler pairs words that only share letters.
-        .filter(|(score, _)| *score >= 0.75)
-        .max_by(|(a, _), (b, _)| a.total_cmp(b))
-        .map(|(_, candidate)| candidate)
 }
 
 /// Names as a message lists them: "`a`, `b`, `c`".

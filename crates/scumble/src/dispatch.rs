@@ -4,11 +4,11 @@ use std::rc::Rc;
 
 use framegraph::{Buffer, ComputeKernel, ComputeNode, Size, Texture, View};
 
+use crate::diagnostics::hint;
 use crate::frame_state::Side;
 use crate::kernel_plan::{Fill, KernelPlan, Source, UniformPlan, builtin_value, member_hint};
 use crate::pass_frame::{PassFrame, RecordError};
 use crate::uniform::{UniformValue, wgsl_member_type};
-use crate::wgsl::{did_you_mean, nearest};
 
 /// One dispatch; see [`PassFrame::dispatch`]. Nothing happens before [`Dispatch::over`],
 /// [`Dispatch::workgroups`] or [`Dispatch::indirect`].
@@ -260,7 +260,7 @@ impl<'d, 'a, 'f> Dispatch<'d, 'a, 'f> {
                         .iter()
                         .map(|p| p.name)
                         .chain(outputs.iter().map(String::as_str));
-                    let hint = did_you_mean(nearest(name, ports));
+                    let hint = hint(name, ports);
                     return Err(RecordError::Unbound {
                         file: plan.file().into(),
                         binding: name.into(),
@@ -310,10 +310,7 @@ pub(crate) fn settable(
         message,
     };
     let Some(i) = plan.members.iter().position(|m| m.member.name == member) else {
-        let hint = did_you_mean(nearest(
-            member,
-            plan.members.iter().map(|m| m.member.name.as_str()),
-        ));
+        let hint = hint(member, plan.members.iter().map(|m| m.member.name.as_str()));
         return Err(error(format!(
             "`set` names `{member}`, which the uniform does not have{hint}"
         )));

@@ -6,12 +6,12 @@ use framegraph::{ComputeKernel, FrameGraph, Label, Size, Texture, TextureDesc};
 use glam::Mat4;
 
 use crate::context::{BuildError, PassInfo};
+use crate::diagnostics::hint;
 use crate::frame_input::FrameInput;
 use crate::host::Host;
 use crate::kernel_plan::KernelPlan;
 use crate::params::ErasedParams;
 use crate::pass_frame::{RecordError, Stat, Upstream};
-use crate::wgsl::{did_you_mean, nearest};
 
 /// What all passes of a frame share.
 pub(crate) struct Shared<'f> {
@@ -195,7 +195,7 @@ impl Side<'_, '_> {
         } else {
             &self.info.outputs
         };
-        let hint = did_you_mean(nearest(name, ports.iter().map(|p| p.name)));
+        let hint = hint(name, ports.iter().map(|p| p.name));
         self.state.mistakes.push(RecordError::UnknownPort {
             kind,
             name: name.to_owned(),

@@ -5,9 +5,10 @@ use framegraph::{
 };
 
 use crate::context::{BuildError, PassInfo};
+use crate::diagnostics::nearest;
 use crate::params::{ParamDef, ParamKind};
 use crate::uniform::{UniformValue, wgsl_member_type};
-use crate::wgsl::{Composed, ShaderError, did_you_mean, nearest};
+use crate::wgsl::{Composed, ShaderError};
 
 /// How the bindings of group 0 of one kernel are filled.
 pub(crate) struct KernelPlan {
@@ -286,7 +287,10 @@ pub(crate) fn member_hint(name: &str, info: &PassInfo) -> String {
     let has = info.inputs.iter().map(|p| format!("has_{}", p.name));
     let wants = info.outputs.iter().map(|p| format!("wants_{}", p.name));
     let all: Vec<String> = params.chain(builtins).chain(has).chain(wants).collect();
-    did_you_mean(nearest(name, all.iter().map(String::as_str)))
+    // All that there is says little: `set` gives what has no name here.
+    nearest(name, all.iter().map(String::as_str))
+        .map(|nearest| format!("; did you mean `{nearest}`?"))
+        .unwrap_or_default()
 }
 
 /// The value of a built-in.

@@ -153,7 +153,7 @@ pub fn check(registry: &Registry, pass: &str, fixture: &mut Fixture) -> Report {
         rules: Vec::new(),
     };
     let Some(ty) = registry.get(pass).cloned() else {
-        let hint = crate::wgsl::did_you_mean(registry.nearest(pass));
+        let hint = crate::diagnostics::hint(pass, registry.iter().map(|ty| ty.name.as_str()));
         report.rules.push((
             Rule::Builds,
             Outcome::Failed(vec![format!("there is no pass `{pass}`{hint}")]),

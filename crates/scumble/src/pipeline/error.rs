@@ -95,7 +95,17 @@ pub enum NameError {
         kind: &'static str,
         /// The name.
         name: String,
-        /// `; did you mean …?`, or empty.
+        /// `; did you mean …?`, or all that there are.
+        hint: String,
+    },
+    /// The pass has no such output.
+    #[error("pass `{pass}` has no output `{output}`{hint}")]
+    NoOutput {
+        /// The pass.
+        pass: String,
+        /// The name.
+        output: String,
+        /// `; did you mean …?`, or all that there are.
         hint: String,
     },
     /// The value of a parameter does not fit.

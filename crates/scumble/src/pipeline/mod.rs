@@ -3,6 +3,7 @@
 mod build;
 mod error;
 mod frame;
+mod names;
 mod requirements;
 mod resample;
 mod revisions;
@@ -13,6 +14,7 @@ use std::sync::{Arc, OnceLock};
 use framegraph::{Debug, Label, Pool};
 
 use crate::context::PassInfo;
+use crate::diagnostics::hint;
 use crate::frame_state::{OutputSlot, PassState, StandIns};
 use crate::host::Host;
 use crate::params::Value;
@@ -20,7 +22,7 @@ use crate::pass::AnyPass;
 use crate::pass_frame::Upstream;
 use crate::registry::Registry;
 use crate::resolve::Resolved;
-use crate::wgsl::{Modules, did_you_mean, nearest};
+use crate::wgsl::Modules;
 
 pub use error::{NameError, PassBuildError, PipelineError, RenderError, Unmet};
 pub use requirements::Requirements;
@@ -182,16 +184,7 @@ impl Pipeline {
         if self.taps.iter().any(|tap| tap.name == name) {
             return Ok(());
         }
-        let (pass, port) = self.split(name)?;
-        let info = &self.passes[pass].info;
-        let Some(output) = info.output(port) else {
-            let hint = did_you_mean(nearest(port, info.outputs.iter().map(|p| p.name)));
-            return Err(NameError::Unknown {
-                kind: "output",
-                name: name.to_owned(),
-                hint,
-            });
-        };
+        let (pass, output) = self.resolved.find_output(name)?;
         let from = Wire::Port {
             pass,
             output,
@@ -227,10 +220,7 @@ impl Pipeline {
     pub fn bind_input(&mut self, name: &str, texture: &wgpu::Texture) -> Result<(), NameError> {
         let inputs = &self.resolved.inputs;
         let Some(i) = inputs.iter().position(|input| input.name == name) else {
-            let hint = did_you_mean(nearest(
-                name,
-                inputs.iter().map(|input| input.name.as_str()),
-            ));
+            let hint = hint(name, inputs.iter().map(|input| input.name.as_str()));
             return Err(NameError::Unknown {
                 kind: "graph input",
                 name: name.to_owned(),
@@ -286,7 +276,7 @@ impl Pipeline {
     /// # Errors
     /// No such pass or parameter, a value of another kind or out of range.
     pub fn set_param(&mut self, name: &str, value: Value) -> Result<(), NameError> {
-        let (p, param) = self.split(name)?;
+        let (p, param) = self.resolved.split(name)?;
         let pass = &mut self.resolved.passes[p];
         let fails = |source| NameError::Param {
             pass: pass.name.clone(),
@@ -317,25 +307,6 @@ impl Pipeline {
             }
         }
         Ok(())
-    }
-
-    /// The pass and the rest of `pass.rest`; names of passes may hold dots in no case.
-    fn split<'n>(&self, name: &'n str) -> Result<(usize, &'n str), NameError> {
-        let (pass, rest) = name
-            .rsplit_once('.')
-            .ok_or_else(|| NameError::Form(name.to_owned()))?;
-        let names = || self.resolved.passes.iter().map(|p| p.name.as_str());
-        match names().position(|n| n == pass) {
-            Some(i) => Ok((i, rest)),
-            None => {
-                let hint = did_you_mean(nearest(pass, names()));
-                Err(NameError::Unknown {
-                    kind: "pass",
-                    name: pass.to_owned(),
-                    hint,
-                })
-            }
-        }
     }
 
     /// Levers of the frame graph: timestamps for [`Pipeline::timings`], and those that look for faults.

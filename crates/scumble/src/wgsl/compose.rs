@@ -3,8 +3,9 @@
 use std::fmt;
 use std::ops::Range;
 
+use super::Modules;
 use super::error::{ShaderError, ShaderLabel};
-use super::{Modules, did_you_mean, nearest};
+use crate::diagnostics::hint;
 
 /// A place in an author's file; line and column count from 1, columns in characters.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -217,7 +218,7 @@ impl Composer<'_> {
         }
         let modules = self.modules;
         let Some(text) = modules.get(name) else {
-            let hint = did_you_mean(nearest(name, modules.names()));
+            let hint = hint(name, modules.names());
             return Err(self.error(
                 file,
                 number,
@@ -245,7 +246,7 @@ impl Composer<'_> {
             };
             let name = line[open + 2..close].trim();
             let Some((_, value)) = self.defines.iter().find(|(n, _)| *n == name) else {
-                let hint = did_you_mean(nearest(name, self.defines.iter().map(|(n, _)| *n)));
+                let hint = hint(name, self.defines.iter().map(|(n, _)| *n));
                 let message = format!("nothing is defined for `{{{{{name}}}}}`{hint}");
                 return Err(self.error(file, number, open..close + 2, message, ""));
             };

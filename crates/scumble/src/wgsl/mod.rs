@@ -12,12 +12,3 @@ mod modules;
 pub use compose::{Composed, Location, compose};
 pub use error::{ShaderError, ShaderLabel};
 pub use modules::Modules;
-
-pub(crate) use crate::diagnostics::nearest;
-
-/// `; did you mean …?`, or nothing.
-pub(crate) fn did_you_mean(nearest: Option<&str>) -> String {
-    nearest
-        .map(|n| format!("; did you mean `{n}`?"))
-        .unwrap_or_default()
-}

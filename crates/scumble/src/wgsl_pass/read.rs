@@ -5,13 +5,14 @@ use framegraph::{BindingKind, Member, MemberType, Reflection, Scalar};
 use super::interned;
 use super::scan::{Scanned, Text, scan};
 use crate::context::PassInfo;
+use crate::diagnostics::hint;
 use crate::kernel_plan::{Fill, Source, fill_of, slots};
 use crate::params::{ParamDef, ParamKind, Value};
 use crate::pass::SkySide;
 use crate::port::{Port, PortSignal, Resolution};
 use crate::registry::{Registry, WgslPassError};
 use crate::signal;
-use crate::wgsl::{Composed, ShaderError, compose, did_you_mean, nearest};
+use crate::wgsl::{Composed, ShaderError, compose};
 
 /// What a WGSL file states as a pass; it has an output.
 pub(super) struct Facts {
@@ -168,7 +169,7 @@ fn port(comment: &Text<'_>, registry: &Registry) -> Result<Port, WgslPassError> 
     if word.text != "any" {
         let all = registry.signals();
         let Some(signal) = all.iter().find(|s| s.name() == word.text) else {
-            let hint = did_you_mean(nearest(word.text, all.iter().map(|s| s.name())));
+            let hint = hint(word.text, all.iter().map(|s| s.name()));
             return Err(error(
                 &format!("there is no signal `{}`{hint}", word.text),
                 Some(word.span),

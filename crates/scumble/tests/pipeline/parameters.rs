@@ -105,6 +105,6 @@ fn wrong_names_and_values_are_refused_with_the_nearest() {
     let error = rig.pipeline.tap("ramp.vlue").unwrap_err();
     assert_eq!(
         error.to_string(),
-        "there is no output `ramp.vlue`; did you mean `value`?"
+        "pass `ramp` has no output `vlue`; did you mean `value`?"
     );
 }
