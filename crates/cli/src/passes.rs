@@ -3,21 +3,21 @@
 use crate::args::PassesArgs;
 use crate::failure::Failure;
 use crate::report;
-use scumble::{BypassKind, ParamDef, PassType, Port, PortSignal, Resolution};
+use scumble::{
+    Bypass, BypassKind, Filter, Needs, ParamDef, PassType, Port, PortSignal, Resolution,
+};
 use serde_json::json;
 
 pub fn run(args: &PassesArgs) -> Result<(), Failure> {
     let registry = scumble_passes::registry();
     let Some(name) = &args.name else {
+        let mut passes: Vec<_> = registry.iter().collect();
+        passes.sort_by_key(|pass| &pass.name);
         if args.json {
-            report::json(&registry.iter().map(|pass| as_json(pass)).collect());
+            report::json(&passes.iter().map(|pass| as_json(pass)).collect());
         } else {
-            let width = registry
-                .iter()
-                .map(|pass| pass.name.len())
-                .max()
-                .unwrap_or(0);
-            for pass in registry.iter() {
+            let width = passes.iter().map(|pass| pass.name.len()).max().unwrap_or(0);
+            for pass in passes {
                 report::line(format_args!("{:<width$}  {}", pass.name, pass.about));
             }
         }
@@ -67,6 +67,37 @@ fn range(def: &ParamDef) -> String {
     }
 }
 
+/// With parameters at their defaults.
+fn needs(pass: &PassType) -> String {
+    let needs = pass.needs(&pass.defaults);
+    let or_none = |all: Vec<String>, none: &str| match all.is_empty() {
+        true => none.to_owned(),
+        false => all.join(", "),
+    };
+    let host = needs.host.iter().map(|name| format!("a {name}"));
+    let features = needs.features.iter_names().map(|(name, _)| name.to_owned());
+    let limits: Vec<String> = match needs.beyond(&wgpu::Limits::default()).as_slice() {
+        // A list of fifteen that every desktop has says less than their name.
+        [] if !needs.beyond(&Needs::default().limits).is_empty() => {
+            vec!["the default limits of WebGPU".to_owned()]
+        }
+        _ => {
+            let limits = needs.beyond(&Needs::default().limits).into_iter();
+            limits
+                .map(|(name, needed)| format!("{name} {needed}"))
+                .collect()
+        }
+    };
+    let device = features.chain(limits).collect();
+    format!(
+        "  {:<22}{}\n  {:<22}{}\n",
+        "of the host",
+        or_none(host.collect(), "nothing"),
+        "of the device",
+        or_none(device, "nothing special"),
+    )
+}
+
 fn as_text(pass: &PassType) -> String {
     let mut text = format!("{}: {}\n", pass.name, pass.about);
     for (title, ports) in [("inputs", &pass.inputs), ("outputs", &pass.outputs)] {
@@ -96,6 +127,7 @@ fn as_text(pass: &PassType) -> String {
             }
         }
     }
+    text += &format!("\nneeds\n{}", needs(pass));
     text += &match pass.bypass.as_slice() {
         [] => "\nIt cannot be bypassed where its outputs are read.\n".to_owned(),
         all => {
@@ -119,6 +151,7 @@ fn as_json(pass: &PassType) -> serde_json::Value {
                 "signal": signal(port),
                 "resolution": resolution(port),
                 "optional": port.optional,
+                "looks_for": port.source,
                 "about": port.about,
             })
         };
@@ -129,18 +162,40 @@ fn as_json(pass: &PassType) -> serde_json::Value {
             "name": def.name,
             "about": def.about,
             "takes": def.kind.to_string(),
-            "default": def.default.to_string(),
+            "default": def.default.to_json(),
             "range": def.range.map(|(low, high)| [low, high]),
             "unit": def.unit,
             "structural": def.structural,
         })
     };
+    let bypass = |bypass: &Bypass| {
+        let how = match bypass.how {
+            BypassKind::Alias => "alias",
+            BypassKind::Resample(Filter::Nearest) => "resample nearest",
+            BypassKind::Resample(Filter::Linear) => "resample linear",
+        };
+        json!({"output": bypass.output, "input": bypass.input, "how": how})
+    };
+    let needs = pass.needs(&pass.defaults);
+    let features = needs.features.iter_names().map(|(name, _)| name);
+    let limits: serde_json::Map<_, _> = needs
+        .beyond(&Needs::default().limits)
+        .into_iter()
+        .map(|(name, needed)| (name.to_owned(), needed.into()))
+        .collect();
     json!({
         "name": pass.name,
         "about": pass.about,
         "inputs": ports(&pass.inputs),
         "outputs": ports(&pass.outputs),
         "parameters": pass.params().iter().map(parameter).collect::<Vec<_>>(),
+        "schema": ParamDef::schema_of(pass.params()),
+        "needs": {
+            "host": needs.host,
+            "features": features.collect::<Vec<_>>(),
+            "limits": limits,
+        },
+        "bypass": pass.bypass.iter().map(bypass).collect::<Vec<_>>(),
         "readme": pass.readme,
     })
 }

@@ -10,6 +10,7 @@
 mod define;
 mod erased;
 mod kinds;
+mod schema;
 
 pub use define::{ParamDef, ParamError, ParamKind, Value};
 pub use erased::ErasedParams;

@@ -131,6 +131,14 @@ impl Default for Needs {
 }
 
 impl Needs {
+    /// The limits that a device with no more than `allowed` does not reach, by name.
+    pub fn beyond(&self, allowed: &wgpu::Limits) -> Vec<(&'static str, u64)> {
+        let mut beyond = Vec::new();
+        let add = |name, needed, _| beyond.push((name, needed));
+        self.limits.check_limits_with_fail_fn(allowed, false, add);
+        beyond
+    }
+
     /// The same, and `name` of the host.
     #[must_use]
     pub fn with_host(mut self, name: &'static str) -> Needs {
