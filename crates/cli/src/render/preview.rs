@@ -3,10 +3,11 @@
 use scumble::{Signal, signal};
 use scumble_metrics::Image;
 
-/// A dump as EXR and PNG. In the EXR a normal is its three components, an integer its low 16 bits in
-/// R and its high 16 bits in G, a scalar is grey, and anything else is as it is. In the PNG scalars
-/// and motion are scaled to their largest value, sky and holes are black, and each integer has a
-/// colour of its own.
+/// A dump as EXR and PNG. In the EXR a normal is its three components, a single integer its low 16
+/// bits in R and its high 16 bits in G, several integers are R, G and B, a scalar is grey, and anything
+/// else is as it is. In the PNG scalars, motion and each of several integers are scaled to their
+/// largest value, sky and holes are black, a mask is white where it is set, and any other integer has
+/// a colour of its own.
 pub fn images(signal: Signal, size: [u32; 2], texels: &[[f32; 4]]) -> [Image; 2] {
     let image = |f: &dyn Fn(&[f32; 4]) -> [f32; 3]| Image {
         width: size[0],
@@ -29,7 +30,25 @@ pub fn images(signal: Signal, size: [u32; 2], texels: &[[f32; 4]]) -> [Image; 2]
                 let bits = t[0].to_bits();
                 [(bits & 0xffff) as f32, (bits >> 16) as f32, 0.0]
             };
-            [image(&halves), image(&|t| hashed(t[0].to_bits()))]
+            let shown = |t: &[f32; 4]| match signal == signal::MASK {
+                true => [f32::from(u8::from(t[0].to_bits() != 0)); 3],
+                false => hashed(t[0].to_bits()),
+            };
+            [image(&halves), image(&shown)]
+        }
+        Look::Integers => {
+            let numbers = |t: &[f32; 4]| [t[0], t[1], t[2]].map(|x| x.to_bits() as f32);
+            let largest = texels
+                .iter()
+                .map(numbers)
+                .fold([1.0; 3], |most: [f32; 3], n| {
+                    [0, 1, 2].map(|c| most[c].max(n[c]))
+                });
+            let shown = |t: &[f32; 4]| {
+                let n = numbers(t);
+                [0, 1, 2].map(|c| n[c] / largest[c])
+            };
+            [image(&numbers), image(&shown)]
         }
         Look::Scalar => {
             let scale = largest(texels, 1);
@@ -61,25 +80,30 @@ enum Look {
     Colour,
     Normal,
     Integer,
+    Integers,
     Scalar,
     Signed,
 }
 
 impl Look {
     fn of(signal: Signal) -> Look {
+        use wgpu::TextureFormat as F;
         let is = |all: &[Signal]| all.contains(&signal);
         if is(&[signal::DISPLAY]) {
-            Look::Display
-        } else if is(&[signal::NORMAL, signal::GEO_NORMAL]) {
-            Look::Normal
-        } else if is(&[signal::SURFACE_ID, signal::MASK]) {
-            Look::Integer
-        } else if is(&[signal::VIEW_Z, signal::HIT_T, signal::VARIANCE, signal::AGE]) {
-            Look::Scalar
-        } else if is(&[signal::MOTION, signal::POSITION, signal::MOMENTS]) {
-            Look::Signed
-        } else {
-            Look::Colour
+            return Look::Display;
+        }
+        if is(&[signal::NORMAL, signal::GEO_NORMAL]) {
+            return Look::Normal;
+        }
+        if is(&[signal::POSITION]) {
+            return Look::Signed;
+        }
+        match signal.format() {
+            F::R32Uint => Look::Integer,
+            F::Rg32Uint | F::Rgba32Uint => Look::Integers,
+            F::R32Float | F::R16Float => Look::Scalar,
+            F::Rg32Float | F::Rg16Float => Look::Signed,
+            _ => Look::Colour,
         }
     }
 }
@@ -164,6 +188,30 @@ mod tests {
     #[test]
     fn no_motion_is_grey() {
         assert_eq!(png(signal::MOTION, &[[0.0, 0.0, 0.0, 1.0]]), [[0.5; 3]]);
+    }
+
+    #[test]
+    fn pixels_are_numbers_and_a_gradient() {
+        let texels = [[8, 4], [24, 4], [24, 12]].map(|[x, y]| {
+            let [x, y, zero] = [x, y, 0].map(f32::from_bits);
+            [x, y, zero, 1.0]
+        });
+        let [exr, png] = images(signal::PIXEL, [3, 1], &texels);
+        assert_eq!(
+            exr.data,
+            [[8.0, 4.0, 0.0], [24.0, 4.0, 0.0], [24.0, 12.0, 0.0]]
+        );
+        let third = 1.0 / 3.0;
+        assert_eq!(
+            png.data,
+            [[third, third, 0.0], [1.0, third, 0.0], [1.0, 1.0, 0.0]]
+        );
+    }
+
+    #[test]
+    fn a_mask_is_white_where_it_is_set() {
+        let texels = [0, 1, 7].map(|word| [f32::from_bits(word), 0.0, 0.0, 1.0]);
+        assert_eq!(png(signal::MASK, &texels), [[0.0; 3], [1.0; 3], [1.0; 3]]);
     }
 
     #[test]
