@@ -168,9 +168,6 @@ impl GpuScene {
         let mut sky_data = SkyData::new(&scene.sky, largest);
         let mut warnings = atlas.warnings.clone();
         warnings.append(&mut sky_data.warnings);
-        for warning in &warnings {
-            tracing::warn!("{warning}");
-        }
         let pose = scene.pose(0.0);
         let budget = options.still_triangles.min(room_for_copies(device, &scene));
         let still = Still::new(&scene, &pose.instances, budget, options.quality)?;
