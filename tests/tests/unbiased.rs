@@ -45,6 +45,7 @@ fn sparse_at_every_pixel_without_filters_is_path_tracing() {
             ("direct-lighting.samples", "4"),
         ]),
         bypass: vec!["e".into(), "s".into()],
+        ..Edits::default()
     };
     let traced = Edits {
         set: set(&[("path-trace.samples", "4")]),

@@ -33,8 +33,6 @@ pub enum Failure {
     Stats(#[from] scumble::StatsError),
     #[error("`{graph}` is a part for other graphs: nothing feeds its inputs {inputs}", graph = graph.display())]
     Part { graph: PathBuf, inputs: String },
-    #[error("no pass of `{graph}` has a parameter `max_bounces`", graph = graph.display())]
-    NoBounces { graph: PathBuf },
     #[error("there is no pass `{name}`; {hint}")]
     UnknownPass { name: String, hint: String },
 

@@ -3,53 +3,53 @@
 use crate::args::{CheckArgs, EditArgs};
 use crate::failure::Failure;
 use crate::{device, report};
-use scumble::{Diagnostics, Edits, Pipeline, Registry, Resolved};
+use scumble::diagnostics::nearest;
+use scumble::{Diagnostics, Edits, Pipeline, Registry, Resolved, SetEverywhere};
 use serde_json::json;
 use std::path::Path;
+
+/// What a pipeline's own outputs are called: PNG takes one, EXR the other.
+const TAKEN: [&str; 2] = ["display", "linear"];
 
 /// The graph in a file, with the command line's edits.
 pub fn resolve(
     path: &Path,
     registry: &Registry,
     edits: &EditArgs,
+    max_bounces: Option<u32>,
 ) -> Result<Resolved, Diagnostics> {
+    let max_bounces = max_bounces.map(|n| SetEverywhere {
+        param: "max_bounces".into(),
+        value: n.to_string(),
+        place: "--max-bounces".into(),
+    });
     let edits = Edits {
+        everywhere: max_bounces.into_iter().collect(),
         set: edits.set.clone(),
         bypass: edits.bypass.clone(),
     };
     scumble::resolve(path, registry, &edits)
 }
 
-/// [`resolve`], and `max_bounces` of every pass that has it.
-pub fn resolve_with_bounces(
-    path: &Path,
-    registry: &Registry,
-    edits: &EditArgs,
-    max_bounces: Option<u32>,
-) -> Result<Resolved, Failure> {
-    let resolved = resolve(path, registry, edits).map_err(Failure::Graph)?;
-    let Some(max_bounces) = max_bounces else {
-        return Ok(resolved);
-    };
-    let has_it = |pass: &&scumble::ResolvedPass| pass.params.def("max_bounces").is_some();
-    let bounces = resolved.passes.iter().filter(has_it);
-    let bounces = bounces.map(|pass| {
-        (
-            format!("{}.max_bounces", pass.name),
-            max_bounces.to_string(),
-        )
-    });
-    let set: Vec<_> = edits.set.iter().cloned().chain(bounces).collect();
-    if set.len() == edits.set.len() {
-        return Err(Failure::NoBounces {
-            graph: path.to_owned(),
-        });
+/// What is no mistake, and probably not meant: an output that `render` does not take because of a
+/// letter.
+fn warnings(path: &Path, graph: &Resolved) -> Vec<String> {
+    // Outputs of a part for other graphs are called what they are called there.
+    if !graph.inputs.is_empty() {
+        return Vec::new();
     }
-    let edits = EditArgs {
-        set,
-        bypass: edits.bypass.clone(),
-    };
-    resolve(path, registry, &edits).map_err(Failure::Graph)
+    let names = || graph.outputs.iter().map(|(name, _)| name.as_str());
+    let missing = TAKEN
+        .into_iter()
+        .filter(|taken| names().all(|n| n != *taken));
+    let near = missing.filter_map(|taken| {
+        let near = nearest(taken, names().filter(|name| !TAKEN.contains(name)))?;
+        Some(format!(
+            "{}: `render` takes no output `{near}`; did you mean `{taken}`?",
+            path.display()
+        ))
+    });
+    near.collect()
 }
 
 /// A graph with inputs is a part of others; here nothing feeds it.
@@ -83,7 +83,7 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     let mut cannot_run = None;
     let mut reports = Vec::new();
     for path in &args.graphs {
-        let resolved = match resolve(path, &registry, &args.edits) {
+        let resolved = match resolve(path, &registry, &args.edits, None) {
             Ok(resolved) => resolved,
             Err(diagnostics) => {
                 reports.push(json!({"file": path, "errors": errors(&diagnostics)}));
@@ -98,8 +98,12 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
             cannot_run.get_or_insert(error);
             continue;
         }
+        let warnings = warnings(path, &resolved);
+        if !args.quiet {
+            warnings.iter().for_each(report::note);
+        }
         if args.json {
-            reports.push(as_json(path, &resolved));
+            reports.push(as_json(path, &resolved, &warnings));
         } else if !args.quiet {
             report::line(format_args!("{}: fine\n{resolved}", path.display()));
         }
@@ -137,12 +141,12 @@ fn errors(diagnostics: &Diagnostics) -> serde_json::Value {
     diagnostics.iter().map(error).collect()
 }
 
-fn as_json(path: &Path, graph: &Resolved) -> serde_json::Value {
+fn as_json(path: &Path, graph: &Resolved, warnings: &[String]) -> serde_json::Value {
     let passes = graph.passes.iter().enumerate().map(|(index, pass)| {
         let params: serde_json::Map<_, _> = pass
             .params
             .written()
-            .map(|(def, value)| (def.name.to_owned(), value.to_string().into()))
+            .map(|(def, value)| (def.name.to_owned(), value.to_json()))
             .collect();
         let inputs = pass.inputs.iter().filter_map(|(input, source)| {
             let implicit = graph
@@ -173,5 +177,6 @@ fn as_json(path: &Path, graph: &Resolved) -> serde_json::Value {
         "inputs": inputs.collect::<Vec<_>>(),
         "passes": passes.collect::<Vec<_>>(),
         "outputs": outputs,
+        "warnings": warnings,
     })
 }

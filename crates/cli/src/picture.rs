@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 pub fn run(args: &GraphArgs) -> Result<(), Failure> {
     let registry = scumble_passes::registry();
-    let resolved =
-        graph::resolve_with_bounces(&args.graph, &registry, &args.edits, args.max_bounces)?;
+    let resolved = graph::resolve(&args.graph, &registry, &args.edits, args.max_bounces)
+        .map_err(Failure::Graph)?;
     graph::refuse_parts(&args.graph, &resolved)?;
     let requirements = Pipeline::requirements(&resolved);
     let gpu = Gpu::noop(requirements.features)?;

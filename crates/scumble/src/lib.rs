@@ -47,8 +47,8 @@ pub use port::{FirstFrame, Port, PortSignal, Resolution};
 pub use readback::{ReadbackError, readback};
 pub use registry::{PassType, Registry};
 pub use resolve::{
-    Edits, GraphInput, ImplicitWire, Resolved, ResolvedPass, Source, resolve, resolve_file,
-    resolve_text,
+    Edits, GraphInput, ImplicitWire, Resolved, ResolvedPass, SetEverywhere, Source, resolve,
+    resolve_file, resolve_text,
 };
 pub use signal::{Signal, SignalDef};
 pub use uniform::UniformValue;

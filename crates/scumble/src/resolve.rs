@@ -23,13 +23,26 @@ use crate::registry::Registry;
 use crate::wire;
 use load::Loader;
 
-/// Changes from outside the file, such as the command line.
+/// Changes from outside the file, such as the command line, applied in this order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Edits {
+    /// Parameters of every pass that has them.
+    pub everywhere: Vec<SetEverywhere>,
     /// Parameters, as `pass.parameter` (patterns as in files) and the RON text of the value.
     pub set: Vec<(String, String)>,
     /// Passes to bypass (patterns as in files).
     pub bypass: Vec<String>,
+}
+
+/// A parameter to set in every pass that has it; that no pass has it is a mistake.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SetEverywhere {
+    /// The parameter.
+    pub param: String,
+    /// The RON text of its value.
+    pub value: String,
+    /// Where a mistake in it is said to be, such as `--max-bounces`.
+    pub place: String,
 }
 
 /// Resolves the graph in a file.
@@ -112,11 +125,12 @@ fn resolve_read(
     loader.apply_edits(edits);
 
     let (draft, diagnostics) = (&mut loader.draft, &mut loader.diagnostics);
+    // Cycles come first: what cannot be known because of one is not reported again.
+    let order = wire::order(draft, diagnostics);
     wire::report_open(draft, diagnostics);
     wire::spread_grids(draft);
     wire::check(draft, diagnostics);
     wire::check_bypasses(draft, diagnostics);
-    let order = wire::order(draft, diagnostics);
     let mut resolved = finish::finish(draft, &order, diagnostics);
     (resolved.about, resolved.sky) = (about, sky);
     loader.diagnostics.or(resolved)

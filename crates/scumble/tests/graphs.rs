@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use scumble::{Edits, GraphFile, Registry, resolve, resolve_text};
+use scumble::{Edits, GraphFile, Registry, SetEverywhere, Value, resolve, resolve_text};
 
 #[path = "graphs/toys.rs"]
 mod toys;
@@ -108,6 +108,7 @@ fn an_edit_is_shown_like_a_file() {
     let edits = Edits {
         set: vec![("sparse.spacing".into(), "0".into())],
         bypass: vec!["spars".into()],
+        ..Edits::default()
     };
     let path = "tests/graphs/ok-subgraph.ron";
     let mistakes = resolve(path, &toys::registry(), &edits).unwrap_err();
@@ -117,6 +118,49 @@ fn an_edit_is_shown_like_a_file() {
         "{text}"
     );
     assert!(text.contains("--> --bypass:1:1\n1 | spars\n"), "{text}");
+}
+
+#[test]
+fn a_parameter_is_set_in_every_pass_that_has_it() {
+    let resolved = |everywhere: [&str; 3], set: &[(&str, &str)]| {
+        let [param, value, place] = everywhere.map(str::to_owned);
+        let edits = Edits {
+            everywhere: vec![SetEverywhere {
+                param,
+                value,
+                place,
+            }],
+            set: set
+                .iter()
+                .map(|(name, value)| ((*name).to_owned(), (*value).to_owned()))
+                .collect(),
+            ..Edits::default()
+        };
+        resolve("tests/graphs/ok-subgraph.ron", &toys::registry(), &edits)
+    };
+    let graph = resolved(["radius", "5", "--radius"], &[("s/blur.radius", "7")]).unwrap();
+    let radius = |name: &str| graph.pass(name).unwrap().1.params.get("radius").unwrap();
+    assert_eq!(radius("e/blur"), Value::Int(5));
+    assert_eq!(radius("s/blur"), Value::Int(7), "`set` comes after");
+
+    let wrong = resolved(["radius", "99", "--radius"], &[]).unwrap_err();
+    assert_eq!(
+        wrong.to_string(),
+        "SC022: `e/blur.radius` must be from 1 to 16 px, and got 99\n \
+         --> --radius:1:1\n\
+         1 | 99\n  \
+         | ^^\n  \
+         help: Distance of the taps. The default is 2 px."
+    );
+    let nowhere = resolved(["gain", "1", "--gain"], &[]).unwrap_err();
+    assert_eq!(
+        nowhere.to_string(),
+        "SC020: no pass of this graph has a parameter `gain`\n \
+         --> --gain:1:1\n\
+         1 | 1\n  \
+         | ^\n  \
+         help: no pass at all has it"
+    );
 }
 
 #[test]

@@ -22,10 +22,13 @@ use std::time::{Duration, Instant};
 
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let registry = scumble_passes::registry();
-    let resolved =
-        graph::resolve_with_bounces(&args.graph, &registry, &args.edits, args.max_bounces)?;
+    let resolved = graph::resolve(&args.graph, &registry, &args.edits, args.max_bounces)
+        .map_err(Failure::Graph)?;
     graph::refuse_parts(&args.graph, &resolved)?;
     let targets = targets(args, &resolved)?;
+    for name in &args.dump {
+        resolved.find_output(name)?;
+    }
 
     let requirements = Pipeline::requirements(&resolved);
     let adapter = device::adapter(args.adapter.adapter.as_deref())?;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use ron::value::RawValue;
 
 use super::raw::{RawShape, options, significant};
-use crate::diagnostics::{Diagnostic, Diagnostics, SourceFile, Span, Spanned, code};
+use crate::diagnostics::{Diagnostic, Diagnostics, SourceFile, Span, Spanned, code, nearest};
 
 /// A RON value, not decoded.
 #[derive(Clone, Debug)]
@@ -209,19 +209,29 @@ impl Node {
         without_duplicates(found, diagnostics)
     }
 
-    /// The fields it must have; each that is not `known` is reported.
+    /// The fields it must have; each that is not `known` is reported, and given the name that it was
+    /// meant to have.
     pub(crate) fn expect_fields(
         &self,
         what: &str,
         known: &[&str],
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<(Spanned<String>, Node)>> {
-        let fields = self.expect_any_fields(what, diagnostics)?;
-        for (name, _) in &fields {
-            if !known.contains(&name.value.as_str()) {
-                let message = format!("{what} has no field `{}`", name.value);
-                let diagnostic = Diagnostic::new(code::UNKNOWN_FIELD, message).at(&name.span, "");
-                diagnostics.push(diagnostic.suggest(&name.value, known.iter().copied(), "fields"));
+        let mut fields = self.expect_any_fields(what, diagnostics)?;
+        for i in 0..fields.len() {
+            let name = fields[i].0.clone();
+            if known.contains(&name.value.as_str()) {
+                continue;
+            }
+            let message = format!("{what} has no field `{}`", name.value);
+            let diagnostic = Diagnostic::new(code::UNKNOWN_FIELD, message).at(&name.span, "");
+            diagnostics.push(diagnostic.suggest(&name.value, known.iter().copied(), "fields"));
+            // It is read as what it was meant to be: what it says is not missing.
+            let there = |name: &str| fields.iter().any(|(other, _)| other.value == name);
+            if let Some(meant) = nearest(&name.value, known.iter().copied())
+                && !there(meant)
+            {
+                fields[i].0.value = meant.to_owned();
             }
         }
         Some(fields)

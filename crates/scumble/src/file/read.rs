@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::reference::is_name;
 use super::{GraphFile, InputDecl, Insert, Node, PassUse, Shape, VERSION, WireRef};
-use crate::diagnostics::{Diagnostic, Diagnostics, SourceFile, Span, Spanned, code};
+use crate::diagnostics::{Diagnostic, Diagnostics, SourceFile, Span, Spanned, code, nearest};
 use crate::pass::SkySide;
 use crate::port::Resolution;
 
@@ -57,6 +57,7 @@ pub(super) fn graph_file(
         field(&mut file, &name.value, node, diagnostics);
     }
     misplaced(&file, &fields, diagnostics);
+    check_outputs(&node, &fields, diagnostics);
     Some(file)
 }
 
@@ -110,9 +111,9 @@ fn field(file: &mut GraphFile, name: &str, node: &Node, diagnostics: &mut Diagno
 }
 
 fn version(node: &Node, fields: &Fields, diagnostics: &mut Diagnostics) -> Option<()> {
-    let Some((_, value)) = fields.iter().find(|(name, _)| name.value == "version") else {
-        let start = node.span().start();
-        let at = Span::new(node.span().source(), start..start + 1);
+    let is_meant = |name: &str| nearest(name, FIELDS.iter().copied()) == Some("version");
+    let Some((_, value)) = fields.iter().find(|(name, _)| is_meant(&name.value)) else {
+        let at = opening(node);
         diagnostics.push(
             Diagnostic::new(code::VERSION, "the graph does not state its version")
                 .at(&at, "")
@@ -137,6 +138,30 @@ fn version(node: &Node, fields: &Fields, diagnostics: &mut Diagnostics) -> Optio
             Some(())
         }
     }
+}
+
+// The parenthesis that opens a graph: where something is missing.
+fn opening(node: &Node) -> Span {
+    let start = node.span().start();
+    Span::new(node.span().source(), start..start + 1)
+}
+
+// A graph that gives nothing does nothing: passes that nobody reads do not run.
+fn check_outputs(node: &Node, fields: &Fields, diagnostics: &mut Diagnostics) {
+    let field = |wanted: &str| fields.iter().find(|(name, _)| name.value == wanted);
+    let at = match field("outputs") {
+        _ if field("extends").is_some() => return,
+        None => opening(node),
+        Some((_, map)) if matches!(map.shape(), Shape::Map(entries) if entries.is_empty()) => {
+            map.span().clone()
+        }
+        Some(_) => return,
+    };
+    diagnostics.push(
+        Diagnostic::new(code::MISSING_FIELD, "the graph has no outputs")
+            .at(&at, "")
+            .help("add some, such as `outputs: {\"display\": \"tonemap.color\"}`"),
+    );
 }
 
 // A patch changes another graph; a graph that is no patch has nothing to change.
@@ -306,7 +331,8 @@ fn references(node: &Node, what: &str, diagnostics: &mut Diagnostics) -> (Refere
                 diagnostics.push(
                     Diagnostic::new(code::TWO_PRODUCERS, message)
                         .at(&value.span, "the second")
-                        .at(&first.span, "the first"),
+                        .at(&first.span, "the first")
+                        .help("keep one of them"),
                 );
             }
         }

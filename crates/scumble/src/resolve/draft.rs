@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use crate::diagnostics::Span;
+use crate::diagnostics::{Span, nearest};
 use crate::params::ErasedParams;
 use crate::port::{FirstFrame, Port, PortSignal, Resolution};
 use crate::registry::PassType;
@@ -20,6 +20,9 @@ pub(crate) type ScopeId = usize;
 pub(crate) struct Draft {
     pub vertices: Vec<Vertex>,
     pub scopes: Vec<Scope>,
+    /// Passes and relays beside an input that was named wrongly; which of theirs was meant is not
+    /// known, so that what is not wired there is not reported again.
+    pub misnamed: Vec<VertexId>,
 }
 
 /// What one graph file names.
@@ -272,6 +275,17 @@ impl Draft {
             (Member::Broken, Some(_)) => Some(Member::Broken),
             (Member::Pass(_), Some(_)) => None,
         }
+    }
+
+    /// [`Draft::member`]; and for a name that is nearest to that of a pass that could not be
+    /// understood, that pass: its name may be what is wrong with it, and is reported already.
+    pub fn meant(&self, scope: ScopeId, path: &str) -> Option<Member> {
+        self.member(scope, path).or_else(|| {
+            let names = self.member_names(scope);
+            let meant = nearest(path, names.iter().map(String::as_str))?;
+            let broken = |member: &Member| *member == Member::Broken;
+            self.member(scope, meant).filter(broken)
+        })
     }
 
     /// Every address without a port that can be used from `scope`.

@@ -24,6 +24,8 @@ impl Loader<'_> {
                     self.draft.vertices[*vertex].inputs[*input].wire = wire;
                 }
                 None => {
+                    let beside = inputs.iter().map(|(_, vertex, _)| *vertex);
+                    self.draft.misnamed.extend(beside);
                     let whole = pass.graph_name().map(|name| name.value).unwrap_or_default();
                     let message = format!("`{whole}` has no input `{}`", name.value);
                     let names = inputs.iter().map(|(name, _, _)| name.as_str());
@@ -77,7 +79,7 @@ impl Loader<'_> {
                 diagnostic
             });
         };
-        let Some(member) = draft.member(scope, pass) else {
+        let Some(member) = draft.meant(scope, pass) else {
             let names = draft.member_names(scope);
             let message = format!("there is no pass `{pass}` in this graph");
             let names = names.iter().map(String::as_str);

@@ -100,7 +100,7 @@ impl Loader<'_> {
                 let outputs = outputs.map(|(name, id)| (name.clone(), *id, 0));
                 (outputs.collect(), "outputs of this graph")
             }
-            Some(pass) => match draft.member(scope, pass) {
+            Some(pass) => match draft.meant(scope, pass) {
                 Some(Member::Broken) => return Ok(None),
                 Some(member) => (draft.inputs_of(member), "inputs"),
                 None => {

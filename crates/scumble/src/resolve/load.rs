@@ -128,13 +128,21 @@ impl<'r> Loader<'r> {
             && self.stack[start + 1..]
                 .iter()
                 .all(|(_, how)| *how == Reached::Extends);
-        let (code, what) = match extends {
-            true => (code::EXTENDS_LOOP, "the files extend each other"),
-            false => (code::FILE_LOOP, "the files use each other"),
+        let (code, what, help) = match extends {
+            true => (
+                code::EXTENDS_LOOP,
+                "the files extend each other",
+                "one of them must have `passes` and extend none",
+            ),
+            false => (
+                code::FILE_LOOP,
+                "the files use each other",
+                "one of them must do without the others",
+            ),
         };
         let message = format!("{what} in a loop: {}", names.join(" -> "));
-        self.diagnostics
-            .push(Diagnostic::new(code, message).at(asked_at, "this closes the loop"));
+        let diagnostic = Diagnostic::new(code, message).at(asked_at, "this closes the loop");
+        self.diagnostics.push(diagnostic.help(help));
         false
     }
 

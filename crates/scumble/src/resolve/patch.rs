@@ -5,12 +5,12 @@
 
 use std::sync::Arc;
 
-use super::Edits;
 use super::decode::set_param;
-use super::draft::{ScopeId, VertexId, VertexKind};
+use super::draft::{PassVertex, ScopeId, VertexId, VertexKind};
 use super::load::Loader;
 use super::pattern::matches;
-use crate::diagnostics::{Diagnostic, SourceFile, Span, Spanned, code};
+use super::{Edits, SetEverywhere};
+use crate::diagnostics::{Diagnostic, SourceFile, Span, Spanned, code, listed};
 use crate::file::{GraphFile, WireRef};
 use crate::wire;
 
@@ -57,6 +57,9 @@ impl Loader<'_> {
 
     /// Applies what comes from outside the files.
     pub fn apply_edits(&mut self, edits: &Edits) {
+        for edit in &edits.everywhere {
+            self.set_everywhere(edit);
+        }
         for (name, value) in &edits.set {
             let source = SourceFile::new("--set", format!("{name}={value}"));
             let key = Span::new(&source, 0..name.len());
@@ -143,19 +146,44 @@ impl Loader<'_> {
             false => with_it,
         };
         let param = Spanned::new(param.to_owned(), name.span.clone());
+        self.set_in(&targets, &param, value);
+    }
+
+    fn set_everywhere(&mut self, edit: &SetEverywhere) {
+        let source = SourceFile::new(edit.place.clone(), edit.value.clone());
+        let at = Span::new(&source, 0..edit.value.len());
+        let has = |pass: &PassVertex| pass.params.def(&edit.param).is_some();
+        let with_it = self.draft.passes().filter(|(_, _, pass)| has(pass));
+        let targets: Vec<VertexId> = with_it.map(|(id, _, _)| id).collect();
+        if targets.is_empty() && !self.draft.is_broken(0) {
+            let kinds = self.registry.iter();
+            let kinds = kinds.filter(|ty| ty.params().iter().any(|def| def.name == edit.param));
+            let kinds: Vec<&str> = kinds.map(|ty| ty.name.as_str()).collect();
+            let message = format!("no pass of this graph has a parameter `{}`", edit.param);
+            let help = match kinds.is_empty() {
+                true => "no pass at all has it".to_owned(),
+                false => format!("passes that have it: {}", listed(&kinds)),
+            };
+            self.report(code::UNKNOWN_PARAM, message, &at, &help);
+        }
+        let param = Spanned::new(edit.param.clone(), at.clone());
+        self.set_in(&targets, &param, &at);
+    }
+
+    fn set_in(&mut self, passes: &[VertexId], param: &Spanned<String>, value: &Span) {
         let mistakes = self.diagnostics.len();
-        for id in targets {
+        for id in passes {
             // One wrong value is one mistake, however many passes it is for.
             if self.diagnostics.len() > mistakes {
                 break;
             }
-            let vertex = &mut self.draft.vertices[id];
+            let vertex = &mut self.draft.vertices[*id];
             let pass_name = vertex.name.clone();
             if let VertexKind::Pass(pass) = &mut vertex.kind {
                 set_param(
                     &mut pass.params,
                     &pass_name,
-                    &param,
+                    param,
                     value,
                     &mut self.diagnostics,
                 );

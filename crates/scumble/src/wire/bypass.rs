@@ -1,41 +1,56 @@
 //! Whether what stands in for the outputs of bypassed passes fits.
 
 use crate::diagnostics::{Diagnostic, Diagnostics, Span, code};
-use crate::pass::BypassKind;
-use crate::resolve::draft::{Draft, PassVertex, Vertex, VertexId, VertexKind, Wire};
+use crate::pass::{Bypass, BypassKind};
+use crate::resolve::draft::{Draft, Slot, Vertex, VertexId, VertexKind, Wire};
 
 /// Checks every bypassed pass.
 pub(crate) fn check_bypasses(draft: &Draft, diagnostics: &mut Diagnostics) {
     for (id, vertex, pass) in draft.passes() {
         let Some(at) = &pass.bypass else { continue };
-        for output in 0..vertex.outputs.len() {
-            if let Some(reader) = reader_of(draft, id, output)
-                && let Err(why) = stands_in(vertex, pass, output, &reader)
-            {
-                diagnostics.push(refusal(vertex, at, &why));
+        let (mut missed, mut whys) = (Vec::new(), Vec::new());
+        for (output, slot) in vertex.outputs.iter().enumerate() {
+            let Some(reader) = reader_of(draft, id, output) else {
+                continue;
+            };
+            match pass.ty.bypass.iter().find(|b| b.output == slot.name) {
+                None => missed.push((slot.name.as_str(), reader)),
+                Some(bypass) => whys.extend(stands_in(vertex, bypass, slot).err()),
             }
+        }
+        let help = (!missed.is_empty()).then_some("leave it in, or `replace` it");
+        let nothing = match missed.as_slice() {
+            [] => None,
+            [(name, reader)] => Some(format!(
+                "nothing stands in for its output `{name}`, which {reader} reads"
+            )),
+            several => {
+                let each = several.iter();
+                let each = each.map(|(name, reader)| format!("`{name}` (which {reader} reads)"));
+                let each: Vec<String> = each.collect();
+                let each = each.join(", ");
+                Some(format!("nothing stands in for its outputs {each}"))
+            }
+        };
+        whys.splice(0..0, nothing);
+        if !whys.is_empty() {
+            diagnostics.push(refusal(vertex, at, &whys.join("; "), help));
         }
     }
 }
 
-fn refusal(vertex: &Vertex, at: &Span, why: &str) -> Diagnostic {
+fn refusal(vertex: &Vertex, at: &Span, why: &str, help: Option<&str>) -> Diagnostic {
     let message = format!("`{}` cannot be bypassed: {why}", vertex.name);
-    Diagnostic::new(code::NO_BYPASS, message).at(at, "")
+    let diagnostic = Diagnostic::new(code::NO_BYPASS, message).at(at, "");
+    match help {
+        Some(help) => diagnostic.help(help),
+        None => diagnostic,
+    }
 }
 
-fn stands_in(
-    vertex: &Vertex,
-    pass: &PassVertex,
-    output: usize,
-    reader: &str,
-) -> Result<(), String> {
-    let slot = &vertex.outputs[output];
+// Whether the input that a bypass names can be what is read of an output.
+fn stands_in(vertex: &Vertex, bypass: &Bypass, slot: &Slot) -> Result<(), String> {
     let name = &slot.name;
-    let Some(bypass) = pass.ty.bypass.iter().find(|b| b.output == name) else {
-        return Err(format!(
-            "nothing stands in for its output `{name}`, which {reader} reads"
-        ));
-    };
     let input = vertex
         .inputs
         .iter()

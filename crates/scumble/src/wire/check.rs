@@ -167,7 +167,11 @@ fn check_grid(
         },
         Resolution::Full => return,
     };
-    diagnostics.push(diagnostic.at(place(vertex, link), ""));
+    let help = match input.slot.resolution {
+        Resolution::Full => "put a pass between that brings it to full resolution",
+        _ => "state one spacing for both, or put a pass between that changes the resolution",
+    };
+    diagnostics.push(diagnostic.at(place(vertex, link), "").help(help));
 }
 
 fn mixed(ports: &str, vertex: &Vertex, one: (u32, &str), other: (u32, &str)) -> Diagnostic {

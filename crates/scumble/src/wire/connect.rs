@@ -39,15 +39,21 @@ pub(crate) fn connect(draft: &mut Draft) {
     }
 }
 
-/// Reports every input that must be wired and is not.
+/// Reports every input that must be wired and is not, unless that follows from another mistake.
 pub(crate) fn report_open(draft: &Draft, diagnostics: &mut Diagnostics) {
-    for (id, _, input) in open(draft) {
+    for (id, index, input) in open(draft) {
         let vertex = &draft.vertices[id];
+        if draft.misnamed.contains(&id) {
+            continue;
+        }
         let matches = matches(draft, id, &input.slot);
         if matches.is_empty() {
             if !draft.is_broken(vertex.scope) {
                 diagnostics.push(missing(draft, id, &input.slot));
             }
+            continue;
+        }
+        if follows(vertex, index) {
             continue;
         }
         let names: Vec<String> = matches
@@ -69,6 +75,20 @@ pub(crate) fn report_open(draft: &Draft, diagnostics: &mut Diagnostics) {
                 )),
         );
     }
+}
+
+// Whether an input has several matches only because another one of its pass leaves its signal or
+// resolution unknown: that one is reported, or what it reads.
+fn follows(vertex: &Vertex, index: usize) -> bool {
+    let unknown = |slot: &Slot| vertex.signal_of(slot).is_none() || vertex.class_of(slot).is_none();
+    let is_cause = |(other, input): (usize, &Input)| {
+        let wire = match input.wire {
+            Wire::Open => other < index && !input.slot.optional,
+            Wire::To(_) | Wire::Broken => other != index,
+        };
+        wire && unknown(&input.slot)
+    };
+    unknown(&vertex.inputs[index].slot) && vertex.inputs.iter().enumerate().any(is_cause)
 }
 
 fn open(draft: &Draft) -> impl Iterator<Item = (VertexId, usize, &Input)> {

@@ -58,6 +58,7 @@ fn edits_set_and_bypass() {
             ("down.spacing".into(), "4".into()),
         ],
         bypass: vec!["blur".into(), "up".into()],
+        ..Edits::default()
     };
     let mut rig = rig(&edits);
     rig.frame(0, "out");
