@@ -33,8 +33,6 @@ pub enum Verb {
     Compare(CompareArgs),
 }
 
-/// Files: .png takes the graph's output `display`, .exr its output `linear`; of several frames a file
-/// gets the last. A folder (any name without such an extension) gets frame.0001.exr and .png and so on.
 #[derive(Args)]
 pub struct RenderArgs {
     /// The graph file
@@ -53,7 +51,7 @@ pub struct RenderArgs {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     pub size: [u32; 2],
-    /// How many frames
+    /// How many frames; a file gets the last one, a folder every one
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub frames: u32,
     /// Seconds of animation per frame; at 0 time stands still
@@ -68,9 +66,11 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N")]
     pub max_bounces: Option<u32>,
     /// Also write this output of a pass, as EXR and as a PNG to look at; may be given several times
-    #[arg(long, value_name = "PASS.PORT")]
+    #[arg(long, value_name = "PASS.PORT", value_parser = parse_port)]
     pub dump: Vec<String>,
-    /// Where to: .png, .exr or a folder; may be given several times [default: out.png]
+    /// Where to; may be given several times [default: out.png]. A .png takes the graph's output
+    /// `display`, an .exr its output `linear`, both of the last frame. A folder (any name without such
+    /// an extension) gets frame.0001.exr, frame.0001.png and so on. Folders that are not there are made
     #[arg(long, short, value_name = "FILE|DIR")]
     pub output: Vec<PathBuf>,
     /// Tell GPU time per pass, rays and memory
@@ -225,13 +225,13 @@ pub struct SceneExportArgs {
     pub scene: PathBuf,
     #[command(flatten)]
     pub changes: SceneChanges,
-    /// The file to write
+    /// The file to write; folders that are not there are made
     pub output: PathBuf,
 }
 
 /// mse, rmse, relmse, smape, mape, energy and hdr_flip (which exposes and tone maps by itself) are of
 /// linear values; psnr, ssim, ms_ssim and flip of values clamped to [0, 1] and sRGB-encoded. PNG files are
-/// decoded to linear first. ssim takes images from 11x11, ms_ssim from 161x161. Of numbered frames every
+/// decoded to linear first, but stay tone mapped. ssim takes images from 11x11, ms_ssim from 161x161. Of numbered frames every
 /// metric is given as mean and worst, in JSON by frame too, with flicker: how much display luminance
 /// changes from frame to frame. In JSON the psnr of equal images, which is infinite, is null.
 #[derive(Args)]
@@ -298,6 +298,13 @@ fn parse_positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("give a number above 0".into()),
+    }
+}
+
+fn parse_port(text: &str) -> Result<String, String> {
+    match text.split_once('.') {
+        Some((pass, port)) if !pass.is_empty() && !port.is_empty() => Ok(text.to_owned()),
+        _ => Err("give pass.port, such as gbuffer.normal".into()),
     }
 }
 

@@ -60,7 +60,7 @@ pub struct Gpu {
     pub name: String,
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
-    errors: Arc<Mutex<Vec<String>>>,
+    errors: Arc<Mutex<Vec<Failure>>>,
 }
 
 impl Gpu {
@@ -82,11 +82,18 @@ impl Gpu {
                 }
             })?;
         let errors = Arc::new(Mutex::new(Vec::new()));
-        let kept = errors.clone();
+        let (kept, adapter) = (errors.clone(), name.clone());
         // Without this, wgpu panics.
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            let failure = match error {
+                wgpu::Error::OutOfMemory { .. } => Failure::OutOfMemory {
+                    adapter: adapter.clone(),
+                    needs: String::new(),
+                },
+                other => Failure::Gpu(other.to_string()),
+            };
             if let Ok(mut errors) = kept.lock() {
-                errors.push(error.to_string());
+                errors.push(failure);
             }
         }));
         Ok(Gpu {
@@ -127,7 +134,7 @@ impl Gpu {
             .lock()
             .unwrap_or_else(|poisoned| poisoned.into_inner());
         match errors.drain(..).next() {
-            Some(error) => Err(Failure::Gpu(error)),
+            Some(error) => Err(error),
             None => Ok(()),
         }
     }

@@ -16,6 +16,12 @@ pub enum Failure {
     NoDevice { adapter: String, message: String },
     #[error("the GPU failed: {0}")]
     Gpu(String),
+    #[error("{adapter} is out of memory{needs}")]
+    OutOfMemory {
+        adapter: String,
+        /// What needs how much, and what to do: `: …`, or nothing while that is not known.
+        needs: String,
+    },
     #[error("this adapter renders at most {max}x{max} pixels, not {}x{}", size[0], size[1])]
     Size { size: [u32; 2], max: u32 },
 
@@ -63,12 +69,15 @@ pub enum Failure {
         path: PathBuf,
         source: std::io::Error,
     },
-    #[error("`{path}` takes the graph's output `{needed}`, and `{graph}` has {there}", path = path.display(), graph = graph.display())]
+    #[error("`{path}` is a file, not a folder to write to", path = path.display())]
+    NoFolder { path: PathBuf },
+    #[error("`{path}` takes the graph's output `{needed}`, and `{graph}` has {there}; {remedy}", path = path.display(), graph = graph.display())]
     NoOutput {
         path: PathBuf,
         graph: PathBuf,
         needed: &'static str,
         there: String,
+        remedy: String,
     },
     #[error("{what}: {source}")]
     Image {
@@ -99,4 +108,36 @@ pub enum Failure {
     },
     #[error("frame {number}: {failure}")]
     InFrame { number: u32, failure: Box<Failure> },
+}
+
+impl Failure {
+    /// Says what needs how much memory, where that ran out; `needs` begins after a colon.
+    pub fn needing(self, needs: impl FnOnce() -> String) -> Failure {
+        match self {
+            Failure::OutOfMemory { adapter, .. } => Failure::OutOfMemory {
+                adapter,
+                needs: format!(": {}", needs()),
+            },
+            other => other,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Failure;
+
+    #[test]
+    fn out_of_memory_says_of_what() {
+        let failure = Failure::OutOfMemory {
+            adapter: "llvmpipe".into(),
+            needs: String::new(),
+        };
+        assert_eq!(failure.to_string(), "llvmpipe is out of memory");
+        let failure = failure.needing(|| "8x8 pixels take about 2.0 GiB".into());
+        assert_eq!(
+            failure.to_string(),
+            "llvmpipe is out of memory: 8x8 pixels take about 2.0 GiB"
+        );
+    }
 }

@@ -10,6 +10,7 @@ mod camera;
 mod compare;
 mod device;
 mod failure;
+mod folder;
 mod graph;
 mod passes;
 mod picture;

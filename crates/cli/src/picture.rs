@@ -4,7 +4,7 @@
 use crate::args::{GraphArgs, PlanFormat};
 use crate::device::Gpu;
 use crate::failure::Failure;
-use crate::{graph, report, scene};
+use crate::{folder, graph, report, scene};
 use scumble::{FrameInput, Host, Pipeline};
 use scumble_scene::GpuScene;
 use std::path::Path;
@@ -52,10 +52,13 @@ pub fn run(args: &GraphArgs) -> Result<(), Failure> {
     };
     match &args.output {
         None => report::line(text.trim_end()),
-        Some(path) => std::fs::write(path, text).map_err(|source| Failure::Write {
-            path: path.clone(),
-            source,
-        })?,
+        Some(path) => {
+            folder::prepare(&folder::of(path))?;
+            std::fs::write(path, text).map_err(|source| Failure::Write {
+                path: path.clone(),
+                source,
+            })?;
+        }
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use crate::args::{Override, SceneChanges, SceneExportArgs, SceneInfoArgs, SceneVerb};
 use crate::failure::Failure;
-use crate::report;
+use crate::{folder, report};
 use glam::Vec3;
 use scumble_scene::{BUILTIN_NAMES, LoadOptions, Material, MaterialOverride, Scene, Sky};
 use serde_json::json;
@@ -95,6 +95,7 @@ pub fn run(verb: &SceneVerb) -> Result<(), Failure> {
 fn export(args: &SceneExportArgs) -> Result<(), Failure> {
     let scene = load(&args.scene, &args.changes)?;
     scene.warnings.iter().for_each(report::note);
+    folder::prepare(&folder::of(&args.output))?;
     Ok(scumble_scene::export(&scene, &args.output)?)
 }
 
@@ -112,6 +113,13 @@ fn sky(sky: &Sky) -> String {
     match sky {
         Sky::Constant(radiance) => format!("{} {} {}", radiance.x, radiance.y, radiance.z),
         Sky::Equirect { width, height, .. } => format!("an image of {width}x{height}"),
+    }
+}
+
+fn sky_as_json(sky: &Sky) -> serde_json::Value {
+    match sky {
+        Sky::Constant(radiance) => json!({"kind": "constant", "radiance": radiance.to_array()}),
+        Sky::Equirect { width, height, .. } => json!({"kind": "image", "size": [width, height]}),
     }
 }
 
@@ -192,7 +200,7 @@ fn as_json(scene: &Scene) -> serde_json::Value {
         "texture_bytes": stats.texture_bytes,
         "lights": stats.lights,
         "emissive_triangles": stats.emissive_triangles,
-        "sky": sky(&scene.sky),
+        "sky": sky_as_json(&scene.sky),
         "bounds": [bounds.min.to_array(), bounds.max.to_array()],
         "animation_seconds": stats.animation_seconds,
         "cameras": cameras.collect::<Vec<_>>(),

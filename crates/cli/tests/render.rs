@@ -1,68 +1,10 @@
-//! `scumble render` and `scumble check`, as a shell sees them.
+//! `scumble render`, as a shell sees it.
 
 mod program;
 
-use program::{NO_ADAPTER, Run, scumble, text, with_variable, without_driver};
+use program::{DIRECT, NO_ADAPTER, Place, names, scumble, text, with_variable, without_driver};
 use scumble_metrics::read;
 use std::path::Path;
-
-const DIRECT: &str = r#"(
-    version: 1,
-    about: "direct light only",
-    passes: [
-        (use: "gbuffer"),
-        (use: "direct-lighting"),
-        (use: "recombine", in: {"emission": "gbuffer.emission", "direct": "direct-lighting.radiance"}),
-        (use: "tonemap", in: {"radiance": "recombine.radiance"}),
-    ],
-    outputs: {"display": "tonemap.color", "linear": "recombine.radiance"},
-)"#;
-
-/// A folder with a graph file in it.
-struct Place {
-    folder: tempfile::TempDir,
-    graph: String,
-}
-
-impl Place {
-    fn new(graph: &str) -> Place {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("graph.ron");
-        std::fs::write(&path, graph).unwrap();
-        Place {
-            graph: path.display().to_string(),
-            folder,
-        }
-    }
-
-    fn at(&self, name: &str) -> String {
-        self.folder.path().join(name).display().to_string()
-    }
-
-    /// Renders a small image of the Cornell box with more options.
-    fn render(&self, more: &[&str]) -> Run {
-        let size: &[&str] = if more.contains(&"--size") {
-            &[]
-        } else {
-            &["--size", "24x16"]
-        };
-        let render = ["render", &self.graph, "--scene", "cornell"];
-        scumble(&[&render, size, more].concat())
-    }
-
-    fn names(&self) -> Vec<String> {
-        names(self.folder.path())
-    }
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).unwrap();
-    let mut names: Vec<_> = entries
-        .map(|e| e.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    names
-}
 
 #[test]
 fn a_png_and_an_exr() {
@@ -148,6 +90,26 @@ fn dumps_and_stats_as_json() {
 }
 
 #[test]
+fn a_dump_of_integers_can_be_looked_at() {
+    let sparse = r#"(
+        version: 1,
+        passes: [(use: "gbuffer"), (use: "sparse-indirect", with: (spacing: 8, samples: 1))],
+        outputs: {"linear": "sparse-indirect.irradiance"},
+    )"#;
+    let place = Place::new(sparse);
+    let file = place.at("a.exr");
+    let run = place.render(&["--dump", "sparse-indirect.pixel", "--output", &file]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let exr = read(place.at("a.sparse-indirect.pixel.exr")).unwrap();
+    // 24x16 pixels in cells of 8x8, each traced at its centre.
+    let cells = [4.0, 12.0].map(|y| [4.0, 12.0, 20.0].map(|x| [x, y, 0.0]));
+    assert_eq!(exr.data, cells.concat());
+    let png = read(place.at("a.sparse-indirect.pixel.png")).unwrap();
+    assert_eq!(png.data[5], [1.0, 1.0, 0.0]);
+    assert!(png.data[0][0] > 0.0 && png.data[0][0] < png.data[1][0]);
+}
+
+#[test]
 fn options_reach_the_scene_and_the_graph() {
     let place = Place::new(DIRECT);
     let mean = |name: &str, more: &[&str]| {
@@ -204,7 +166,7 @@ fn bad_outputs() {
     let below_a_file = format!("{file}/a.png");
     assert_eq!(
         fails(&place, &["--output", &below_a_file]),
-        format!("error: cannot write to the folder `{file}`: File exists (os error 17)")
+        format!("error: `{file}` is a file, not a folder to write to")
     );
     let jpg = place.at("a.jpg");
     assert_eq!(
@@ -216,7 +178,17 @@ fn bad_outputs() {
     assert_eq!(
         fails(&linear_only, &["--output", &png]),
         format!(
-            "error: `{png}` takes the graph's output `display`, and `{linear_graph}` has `linear`"
+            "error: `{png}` takes the graph's output `display`, and `{linear_graph}` has `linear`; \
+             add `display` to its `outputs`"
+        )
+    );
+    let slip = Place::new(&DIRECT.replace(r#""display""#, r#""displai""#));
+    let (png, graph_file) = (slip.at("a.png"), &slip.graph);
+    assert_eq!(
+        fails(&slip, &["--output", &png]),
+        format!(
+            "error: `{png}` takes the graph's output `display`, and `{graph_file}` has `displai`, \
+             `linear`; did you mean `display` by `displai`?"
         )
     );
     let out = place.at("a.png");
@@ -247,11 +219,33 @@ fn bad_names() {
         "error: there is no pass `gbufer`; did you mean `gbuffer`?"
     );
     assert_eq!(
-        with(&["--max-bounces", "2"]),
-        format!(
-            "error: no pass of `{}` has a parameter `max_bounces`",
-            place.graph
+        with(&["--dump", "nope.normal"]),
+        "error: there is no pass `nope`; there are `gbuffer`, `direct-lighting`, `recombine`, \
+         `tonemap`"
+    );
+    assert_eq!(
+        with(&["--dump", "gbuffer.norml"]),
+        "error: pass `gbuffer` has no output `norml`; did you mean `normal`?"
+    );
+    assert_eq!(
+        with(&["--dump", "tonemap.nope"]),
+        "error: pass `tonemap` has no output `nope`; there are `color`"
+    );
+    let no_port = with(&["--dump", "gbuffer"]);
+    assert_eq!(
+        no_port.lines().next(),
+        Some(
+            "error: invalid value 'gbuffer' for '--dump <PASS.PORT>': give pass.port, such as \
+             gbuffer.normal"
         )
+    );
+    assert_eq!(
+        with(&["--max-bounces", "2"]),
+        "error: SC020: no pass of this graph has a parameter `max_bounces`\n \
+         --> --max-bounces:1:1\n\
+         1 | 2\n  \
+         | ^\n  \
+         help: passes that have it: `path-trace`, `sparse-indirect`"
     );
     let wrong = with(&["--set", "tonemap.exposur=1"]);
     assert!(
@@ -265,6 +259,32 @@ fn bad_names() {
     );
     let variable = with_variable("voodoo", &["render", &place.graph, "--scene", "cornell"]);
     assert_eq!((variable.code, text(&variable.err)), (2, unknown));
+}
+
+#[test]
+fn a_bad_number_of_bounces_is_said_to_be_that() {
+    let traced = DIRECT.replace("direct-lighting", "path-trace");
+    let place = Place::new(&traced);
+    let out = place.at("a.png");
+    assert_eq!(
+        fails(&place, &["--max-bounces", "100", "--output", &out]),
+        "error: SC022: `path-trace.max_bounces` must be from 0 to 64, and got 100\n \
+         --> --max-bounces:1:1\n\
+         1 | 100\n  \
+         | ^^^\n  \
+         help: Indirect bounces; 0 leaves light straight from emitters alone. The default is 4."
+    );
+}
+
+#[test]
+fn frames_of_an_earlier_run_are_told() {
+    let place = Place::new(DIRECT);
+    let frames = place.at("frames");
+    let run = place.render(&["--frames", "3", "--output", &frames]);
+    assert_eq!((run.code, text(&run.err)), (0, String::new()));
+    let run = place.render(&["--output", &frames]);
+    let note = format!("note: `{frames}` still holds frames 2 to 3 of an earlier run");
+    assert_eq!((run.code, text(&run.err)), (0, note));
 }
 
 #[test]
@@ -333,65 +353,6 @@ fn a_part_is_not_a_pipeline() {
         format!(
             "error: `{}` is a part for other graphs: nothing feeds its inputs `value`",
             place.graph
-        )
-    );
-}
-
-#[test]
-fn check_lists_wires_and_every_mistake() {
-    let place = Place::new(DIRECT);
-    let run = scumble(&["check", &place.graph, "--adapter"]);
-    assert_eq!(run.code, 0, "{}", run.err);
-    assert!(
-        run.out.contains("albedo <- gbuffer.albedo (implicit)"),
-        "{}",
-        run.out
-    );
-    let report = scumble(&["check", &place.graph, "--json"]);
-    let report: serde_json::Value = serde_json::from_str(&report.out).unwrap();
-    assert_eq!(report["outputs"]["display"], "tonemap.color");
-
-    let broken = DIRECT
-        .replace("use: \"tonemap\"", "use: \"tonmap\"")
-        .replace("gbuffer\")", "gbufer\")");
-    let broken = Place::new(&broken);
-    let run = scumble(&["check", &broken.graph]);
-    assert_eq!(run.code, 2);
-    for name in [
-        "did you mean `gbuffer`?",
-        "did you mean `tonemap`?",
-        "graph.ron:5:15",
-    ] {
-        assert!(run.err.contains(name), "{name}: {}", run.err);
-    }
-    let report = scumble(&["check", &broken.graph, "--json"]);
-    let report: serde_json::Value = serde_json::from_str(&report.out).unwrap();
-    assert_eq!(report["errors"][0]["line"], 5);
-}
-
-#[test]
-fn passes_are_told() {
-    let run = scumble(&["passes"]);
-    assert!(
-        run.out.lines().any(|line| line.starts_with("gbuffer ")),
-        "{}",
-        run.out
-    );
-    let run = scumble(&["passes", "tonemap"]);
-    assert!(
-        run.out.contains("parameters") && run.out.contains("exposure"),
-        "{}",
-        run.out
-    );
-    let run = scumble(&["passes", "tonemap", "--json"]);
-    let report: serde_json::Value = serde_json::from_str(&run.out).unwrap();
-    assert_eq!(report["name"], "tonemap");
-    let run = scumble(&["passes", "tonemapp"]);
-    assert_eq!(
-        (run.code, text(&run.err)),
-        (
-            2,
-            "error: there is no pass `tonemapp`; did you mean `tonemap`?".into()
         )
     );
 }

@@ -9,14 +9,15 @@ fn info_as_json() {
     let run = scumble(&["scene", "info", "cornell", "--json", "--sky", "0.5,1,2"]);
     let report: serde_json::Value = serde_json::from_str(&run.out).unwrap();
     assert_eq!(report["name"], "cornell");
-    assert_eq!(report["sky"], "0.5 1 2");
+    let sky = serde_json::json!({"kind": "constant", "radiance": [0.5, 1.0, 2.0]});
+    assert_eq!(report["sky"], sky);
     assert_eq!(report["cameras"][0]["name"], "cornell");
 }
 
 #[test]
 fn what_is_exported_can_be_read() {
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("cornell.glb").display().to_string();
+    let file = folder.path().join("new/cornell.glb").display().to_string();
     let run = scumble(&["scene", "export", "cornell", &file]);
     assert_eq!((run.code, text(&run.err)), (0, String::new()));
     let triangles = |scene: &str| {
@@ -42,6 +43,10 @@ fn bad_scenes_say_why() {
     let out = folder.path().join("cornell.obj").display().to_string();
     let run = scumble(&["scene", "export", "cornell", &out]);
     let expected = format!("error: cannot export to `{out}`: the name must end in .glb or .gltf");
+    assert_eq!((run.code, text(&run.err)), (2, expected));
+    let below_a_file = format!("{broken}/cornell.glb");
+    let run = scumble(&["scene", "export", "cornell", &below_a_file]);
+    let expected = format!("error: `{broken}` is a file, not a folder to write to");
     assert_eq!((run.code, text(&run.err)), (2, expected));
     let run = scumble(&["scene", "info", "cornell", "--sky", "-1"]);
     assert_eq!(run.code, 2);

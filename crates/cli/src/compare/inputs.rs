@@ -17,6 +17,33 @@ pub struct Frame {
 }
 
 impl Inputs {
+    /// What to know when one side is tone mapped and the other is not, which linear values do not
+    /// show; the first frames stand for all.
+    pub fn mixed(&self, image: &Path, reference: &Path) -> Option<String> {
+        let (image, reference) = match self {
+            Inputs::Series(frames) => {
+                let first = frames.first()?;
+                (first.image.as_path(), first.reference.as_path())
+            }
+            Inputs::One => (image, reference),
+        };
+        let is_display = |path: &Path| {
+            path.extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+        };
+        let (display, linear) = match (is_display(image), is_display(reference)) {
+            (true, false) => (image, reference),
+            (false, true) => (reference, image),
+            _ => return None,
+        };
+        Some(format!(
+            "`{}` holds what is displayed (tone mapped, 8 bits), `{}` the light itself: unless nothing \
+             was tone mapped, compare two .exr or two .png",
+            display.display(),
+            linear.display()
+        ))
+    }
+
     pub fn find(image: &Path, reference: &Path) -> Result<Inputs, Failure> {
         let Some(images) = Sequence::find(image)? else {
             return match Sequence::find(reference)? {

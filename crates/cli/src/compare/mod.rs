@@ -19,6 +19,9 @@ use threshold::Threshold;
 pub fn run(args: &CompareArgs) -> Result<Verdict, Failure> {
     let threshold = Threshold::of(args)?;
     let inputs = Inputs::find(&args.image, &args.reference)?;
+    if let Some(note) = inputs.mixed(&args.image, &args.reference) {
+        report::note(note);
+    }
     let painter = Painter::of(args, &inputs)?;
     let exceeded = match inputs {
         Inputs::One => one(args, painter, threshold)?,

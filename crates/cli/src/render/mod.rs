@@ -63,7 +63,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         stats: Stats::default(),
         files: Vec::new(),
     };
-    run.prepare()?;
+    progress.suspend(|| run.prepare())?;
     run.frames(&mut host, &progress)?;
     progress.finish_and_clear();
     run.tell(host.get::<GpuScene>());
@@ -103,7 +103,10 @@ fn host(
         };
         let scene = scene::load(name, &args.scene.changes)?;
         let scene_gpu = GpuScene::new(&gpu.device, &gpu.queue, Arc::new(scene))?;
-        gpu.check()?;
+        gpu.check().map_err(|failure| {
+            let bytes = stats::size(scene_gpu.memory());
+            failure.needing(|| format!("the scene takes {bytes}; give a smaller one"))
+        })?;
         if !args.quiet {
             let notes = scene_gpu
                 .scene()
@@ -147,7 +150,10 @@ impl Run<'_> {
         for name in &self.args.dump {
             self.pipeline.tap(name)?;
         }
-        self.targets.prepare()?;
+        let notes = self.targets.prepare(self.args.frames)?;
+        if !self.args.quiet {
+            notes.iter().for_each(report::note);
+        }
         self.pipeline.debug().timestamps = self.args.stats && self.gpu.has_timestamps();
         self.gpu
             .device
@@ -200,9 +206,13 @@ impl Run<'_> {
         let rendered = self.pipeline.render(&mut encoder, input, host);
         let cpu = start.elapsed();
         // What wgpu says comes first: a pass fails later because of it.
-        self.gpu.check()?;
+        let needs = |failure: Failure| {
+            let memory = stats::Memory::of(&self.pipeline, host.get::<GpuScene>());
+            failure.needing(|| memory.needs(self.args.size))
+        };
+        self.gpu.check().map_err(needs)?;
         rendered?;
-        self.gpu.finish(encoder)?;
+        self.gpu.finish(encoder).map_err(needs)?;
         if self.args.stats {
             self.stats.add(&mut self.pipeline, cpu)?;
         }
@@ -249,9 +259,10 @@ impl Run<'_> {
 
     /// What `pass.port` carries.
     fn signal(&self, name: &str) -> Option<scumble::Signal> {
-        let (pass, port) = name.rsplit_once('.')?;
-        let (_, pass) = self.pipeline.resolved().pass(pass)?;
-        match pass.ty.output(port)?.signal {
+        let graph = self.pipeline.resolved();
+        let (pass, port) = graph.find_output(name).ok()?;
+        let pass = &graph.passes[pass];
+        match pass.ty.outputs[port].signal {
             scumble::PortSignal::Is(signal) => Some(signal),
             scumble::PortSignal::Any => pass.signal,
         }

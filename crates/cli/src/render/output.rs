@@ -1,6 +1,8 @@
 //! Where images go.
 
 use crate::failure::Failure;
+use crate::folder;
+use scumble::diagnostics::nearest;
 use scumble_metrics::{Image, write_exr, write_png};
 use std::path::{Path, PathBuf};
 
@@ -59,10 +61,10 @@ impl Targets {
                     path: path.clone(),
                     graph: graph.to_owned(),
                     needed,
-                    there: if there.is_empty() {
-                        "none".into()
-                    } else {
-                        there.join(", ")
+                    there: there.join(", "),
+                    remedy: match nearest(needed, outputs.iter().copied()) {
+                        Some(near) => format!("did you mean `{needed}` by `{near}`?"),
+                        None => format!("add `{needed}` to its `outputs`"),
                     },
                 });
             }
@@ -70,21 +72,28 @@ impl Targets {
         Ok(())
     }
 
-    /// Makes the folders that are not there, and sees whether files can be made in them: better now
-    /// than when the work is done.
-    pub fn prepare(&self) -> Result<(), Failure> {
+    /// Makes the folders that are not there, and sees whether files can be made in them. Gives what
+    /// is worth knowing of a folder for `frames` frames that has others.
+    pub fn prepare(&self, frames: u32) -> Result<Vec<String>, Failure> {
+        let mut notes = Vec::new();
         for (path, kind) in &self.0 {
-            let folder = if *kind == Kind::Folder {
-                path
-            } else {
-                &folder_of(path)
-            };
-            make_writable(folder).map_err(|source| Failure::Folder {
-                folder: folder.clone(),
-                source,
-            })?;
+            if *kind != Kind::Folder {
+                folder::prepare(&folder::of(path))?;
+                continue;
+            }
+            folder::prepare(path)?;
+            if let Some((low, high)) = folder::left_over(path, frames) {
+                let which = match low == high {
+                    true => format!("frame {low}"),
+                    false => format!("frames {low} to {high}"),
+                };
+                notes.push(format!(
+                    "`{}` still holds {which} of an earlier run",
+                    path.display()
+                ));
+            }
         }
-        Ok(())
+        Ok(notes)
     }
 
     /// Whether every frame is written somewhere.
@@ -143,7 +152,7 @@ impl Targets {
             Kind::Folder => path.join(format!("frame.{number:04}.{name}")),
             _ => {
                 let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-                folder_of(path).join(format!("{stem}.{name}"))
+                path.with_file_name(format!("{stem}.{name}"))
             }
         };
         let with = |extension: &str| PathBuf::from(format!("{}.{extension}", stem.display()));
@@ -156,21 +165,6 @@ impl Targets {
 
 fn image_failure(what: String, source: scumble_metrics::MetricsError) -> Failure {
     Failure::Image { what, source }
-}
-
-fn folder_of(path: &Path) -> PathBuf {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
-        _ => PathBuf::from("."),
-    }
-}
-
-/// Makes the folder if need be, and a file in it that is removed again: the only way to know.
-fn make_writable(folder: &Path) -> std::io::Result<()> {
-    std::fs::create_dir_all(folder)?;
-    let probe = folder.join(format!(".scumble-{}.tmp", std::process::id()));
-    std::fs::File::create_new(&probe)?;
-    std::fs::remove_file(&probe)
 }
 
 #[cfg(test)]

@@ -44,6 +44,18 @@ impl Memory {
     fn frame(&self) -> u64 {
         self.transient + self.history
     }
+
+    /// What an image of this size takes, and what to do where that is too much.
+    pub fn needs(&self, size: [u32; 2]) -> String {
+        let [width, height] = size;
+        format!(
+            "{width}x{height} pixels take about {} ({:.0} bytes per pixel) beside {} for the scene; \
+             give a smaller --size",
+            self::size(self.frame()),
+            self.frame() as f64 / f64::from(width) / f64::from(height),
+            self::size(self.scene),
+        )
+    }
 }
 
 impl Frame {
@@ -152,6 +164,20 @@ impl Stats {
     }
 }
 
+/// Bytes to read at a glance.
+pub fn size(bytes: u64) -> String {
+    let (mut size, mut unit) = (bytes as f64, "bytes");
+    for larger in ["KiB", "MiB", "GiB"] {
+        if size >= 1024.0 {
+            (size, unit) = (size / 1024.0, larger);
+        }
+    }
+    match unit {
+        "bytes" => format!("{bytes} bytes"),
+        unit => format!("{size:.1} {unit}"),
+    }
+}
+
 /// A count to read at a glance.
 fn counted(number: f64) -> String {
     if number >= 1e6 {
@@ -163,6 +189,29 @@ fn counted(number: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn what_does_not_fit_is_said_in_bytes() {
+        let memory = super::Memory {
+            transient: 30 << 30,
+            history: 8 << 30,
+            upload: 0,
+            scene: 3 << 19,
+        };
+        assert_eq!(
+            memory.needs([16384, 16384]),
+            "16384x16384 pixels take about 38.0 GiB (152 bytes per pixel) beside 1.5 MiB for the \
+             scene; give a smaller --size"
+        );
+    }
+
+    #[test]
+    fn bytes() {
+        assert_eq!(super::size(0), "0 bytes");
+        assert_eq!(super::size(1023), "1023 bytes");
+        assert_eq!(super::size(1536), "1.5 KiB");
+        assert_eq!(super::size(54 << 30), "54.0 GiB");
+    }
+
     #[test]
     fn counts() {
         assert_eq!(super::counted(0.0), "0");

@@ -1,6 +1,7 @@
 //! Running the program in tests.
 #![allow(dead_code, reason = "each test file uses its own part of this")]
 
+use std::path::Path;
 use std::process::Command;
 
 /// What a run gave.
@@ -45,4 +46,63 @@ fn run(command: &mut Command) -> Run {
 pub fn text(text: &str) -> String {
     let ours = |line: &&str| !line.contains("XDG_RUNTIME_DIR");
     text.lines().filter(ours).collect::<Vec<_>>().join("\n")
+}
+
+/// Direct light only.
+pub const DIRECT: &str = r#"(
+    version: 1,
+    about: "direct light only",
+    passes: [
+        (use: "gbuffer"),
+        (use: "direct-lighting"),
+        (use: "recombine", in: {"emission": "gbuffer.emission", "direct": "direct-lighting.radiance"}),
+        (use: "tonemap", in: {"radiance": "recombine.radiance"}),
+    ],
+    outputs: {"display": "tonemap.color", "linear": "recombine.radiance"},
+)"#;
+
+/// A folder with a graph file in it.
+pub struct Place {
+    folder: tempfile::TempDir,
+    pub graph: String,
+}
+
+impl Place {
+    pub fn new(graph: &str) -> Place {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("graph.ron");
+        std::fs::write(&path, graph).unwrap();
+        Place {
+            graph: path.display().to_string(),
+            folder,
+        }
+    }
+
+    pub fn at(&self, name: &str) -> String {
+        self.folder.path().join(name).display().to_string()
+    }
+
+    /// Renders a small image of the Cornell box with more options.
+    pub fn render(&self, more: &[&str]) -> Run {
+        let size: &[&str] = if more.contains(&"--size") {
+            &[]
+        } else {
+            &["--size", "24x16"]
+        };
+        let render = ["render", &self.graph, "--scene", "cornell"];
+        scumble(&[&render, size, more].concat())
+    }
+
+    pub fn names(&self) -> Vec<String> {
+        names(self.folder.path())
+    }
+}
+
+pub fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<_> = entries
+        .map(|e| e.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
 }
