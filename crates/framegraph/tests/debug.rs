@@ -148,7 +148,7 @@ fn captures_change_nothing() {
                 let mut last = h.previous[0].unwrap();
                 for i in 0..3 {
                     let t = fg.texture(format!("t{i}"), R32);
-                    last = increment(&mut fg, &k, &format!("n{i}"), last, t);
+                    last = increment(&mut fg, &k, format!("n{i}"), last, t);
                 }
                 last = bump(&mut fg, &k, "bump", last);
                 let out = increment(&mut fg, &k, "n3", last, h.current);

@@ -17,7 +17,7 @@ fn chain<'f>(pool: &Pool, k: &Kernels, descs: &[TextureDesc]) -> Plan<'f> {
     last = produce(&mut fg, k, "produce", last);
     for (i, &desc) in descs.iter().enumerate().skip(1) {
         let next = fg.texture(format!("t{i}"), desc);
-        last = increment(&mut fg, k, &format!("n{i}"), last, next);
+        last = increment(&mut fg, k, format!("n{i}"), last, next);
     }
     fg.export_texture("last", last);
     fg.compile().unwrap()
