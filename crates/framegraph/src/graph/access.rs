@@ -18,7 +18,7 @@ impl FrameGraph<'_> {
     }
 
     /// The resource of a handle of this graph. Nothing is reported for the result of an earlier mistake.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn resolve(&mut self, raw: Raw, site: Site) -> Option<usize> {
         if raw.resource == u32::MAX {
             return None;
@@ -41,7 +41,7 @@ impl FrameGraph<'_> {
     }
 
     /// The range of a view; reports one that lies outside.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn resolve_view(
         &mut self,
         view: &View,
@@ -79,7 +79,7 @@ impl FrameGraph<'_> {
     }
 
     /// Records that `node` uses a range, and returns the access' index.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn access(
         &mut self,
         node: u32,
@@ -112,7 +112,7 @@ impl FrameGraph<'_> {
     }
 
     /// The handle that holds after an access by `raw`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn handle(&self, raw: Raw, mode: Mode) -> Raw {
         match mode.writes() {
             true => Raw {
@@ -165,7 +165,7 @@ impl FrameGraph<'_> {
     }
 
     /// Reports a second touch of the same range by one node when either writes.
-    #[inline]
+    #[inline(always)]
     fn check_conflict(
         &mut self,
         node: u32,

@@ -10,7 +10,7 @@ use crate::state::{Mode, State};
 
 impl FrameGraph<'_> {
     /// The slot of a name, unless it is unknown or taken.
-    #[inline]
+    #[inline(always)]
     fn slot(&mut self, face: &Interface, node: u32, name: &str, site: Site) -> Option<usize> {
         let bindings = &face.reflection.bindings[..face.slots];
         let own = &self.binds[self.nodes[node as usize].binds.start as usize..];
@@ -64,7 +64,7 @@ impl FrameGraph<'_> {
         self.errors.push(error.with("first bound", first));
     }
 
-    #[inline]
+    #[inline(always)]
     fn bind(&mut self, node: u32, slot: usize, what: Bound, site: Site) {
         self.note_bind(slot as u32, what);
         self.binds.push(Bind {

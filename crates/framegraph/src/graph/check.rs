@@ -85,7 +85,7 @@ impl FrameGraph<'_> {
     }
 
     /// Reports usage that an imported resource was not made with, or that the format does not have.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn check_usage(&mut self, resource: usize, usage: u32, site: Site) {
         let missing = usage & !self.resources[resource].allowed;
         if missing != 0 {

@@ -30,7 +30,7 @@ pub(super) fn remedy(kind: &BindingKind) -> &'static str {
 }
 
 /// Whether a format can be read as the shader reads it; else what to do.
-#[inline]
+#[inline(always)]
 pub(super) fn samples_as(
     texels: Option<wgpu::TextureSampleType>,
     sample: Sample,
@@ -50,7 +50,7 @@ pub(super) fn samples_as(
 }
 
 /// Whether a range can be seen through a binding of this dimension; else what to do.
-#[inline]
+#[inline(always)]
 pub(super) fn dimension_fits(
     dimension: wgpu::TextureViewDimension,
     depth: u32,

@@ -24,13 +24,13 @@ pub(super) enum Word {
 
 impl FrameGraph<'_> {
     /// A record of 56 bits, and for some tags a word more.
-    #[inline]
+    #[inline(always)]
     pub(super) fn note(&mut self, tag: Word, low: u64, more: Option<u64>) {
         self.words.push((tag as u64) << 56 | low);
         self.words.extend(more);
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn note_resource(&mut self, kind: Kind, extra_usage: u32) {
         let usage = u64::from(extra_usage);
         match kind {
@@ -45,7 +45,7 @@ impl FrameGraph<'_> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn note_access(&mut self, a: &Access) {
         let how = (a.mode as u64) << 48 | (a.state as u64) << 40 | u64::from(a.resource);
         self.note(Word::Access, how, Some(a.range.bits()));
@@ -55,7 +55,7 @@ impl FrameGraph<'_> {
     }
 
     /// What is bound to a slot; an access is the one noted last.
-    #[inline]
+    #[inline(always)]
     pub(super) fn note_bind(&mut self, slot: u32, what: Bound) {
         let slot = u64::from(slot);
         match what {
@@ -67,7 +67,7 @@ impl FrameGraph<'_> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn note_node(&mut self, node: u32, work: Work) {
         let (kind, kernel) = match work {
             Work::None => (0, None),
