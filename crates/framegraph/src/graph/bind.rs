@@ -38,22 +38,20 @@ impl FrameGraph<'_> {
     #[cold]
     fn report_unknown(&mut self, face: &Interface, node: u32, name: &str, site: Site) {
         let bindings = &face.reflection.bindings[..face.slots];
+        let names = bindings.iter().map(|b| b.name.as_str());
+        let label = &self.nodes[node as usize].label;
+        let message = format!(
+            "`{label}` binds `{name}`, which kernel `{}` does not use",
+            face.label
+        );
+        let help = suggest(name, names.clone());
+        // The one that was meant is not reported as unbound too.
+        if let Some(slot) =
+            nearest(name, names).and_then(|near| bindings.iter().position(|b| b.name == near))
         {
-            let names = bindings.iter().map(|b| b.name.as_str());
-            let label = &self.nodes[node as usize].label;
-            let message = format!(
-                "`{label}` binds `{name}`, which kernel `{}` does not use",
-                face.label
-            );
-            let help = suggest(name, names.clone());
-            // The one that was meant is not reported as unbound too.
-            if let Some(slot) =
-                nearest(name, names).and_then(|near| bindings.iter().position(|b| b.name == near))
-            {
-                self.bind(node, slot, Bound::Mistake, site);
-            }
-            self.fail(Code::UnknownBinding, message, site, help);
+            self.bind(node, slot, Bound::Mistake, site);
         }
+        self.fail(Code::UnknownBinding, message, site, help);
     }
 
     #[cold]
