@@ -160,6 +160,8 @@ impl SceneBuilder {
         check::references(&scene)?;
         check::animation(&scene)?;
         remove_empty_meshes(&mut scene);
+        check::extent(&scene, &scene.pose(0.0))?;
+        leave_out_flattened(&mut scene)?;
         let count: usize = dropped.iter().map(|(_, count)| count).sum();
         if scene.instances.is_empty() {
             let name = scene.name;
@@ -209,7 +211,40 @@ fn push<T>(list: &mut Vec<T>, item: T) -> u32 {
 
 fn is_dark(scene: &Scene) -> bool {
     let stats = scene.stats();
-    scene.lights.is_empty() && stats.emissive_triangles == 0 && scene.sky.is_black()
+    let punctual = scene.lights.iter().any(|light| light.power() != Vec3::ZERO);
+    !punctual && stats.emissive_triangles == 0 && scene.sky.is_black()
+}
+
+/// Removes instances that no ray can meet, because their transforms have no volume.
+fn leave_out_flattened(scene: &mut Scene) -> Result<(), SceneError> {
+    let mut kept = Vec::new();
+    let mut first = None;
+    for (i, instance) in scene.instances.iter().enumerate() {
+        if check::has_no_volume(scene, instance) {
+            first.get_or_insert((i, instance.mesh as usize));
+        } else {
+            kept.push(*instance);
+        }
+    }
+    let Some((i, mesh)) = first else {
+        return Ok(());
+    };
+    if kept.is_empty() {
+        let why = "nothing to render: the transforms of all its instances have no volume; check \
+                   the scales of its nodes";
+        return Err(SceneError::invalid(format!("scene `{}`", scene.name), why));
+    }
+    let others = match scene.instances.len() - kept.len() - 1 {
+        0 => String::new(),
+        others => format!(" and {others} more"),
+    };
+    scene.warnings.push(format!(
+        "left out instance {i} of mesh `{}`{others}: a transform without volume (a scale of 0) \
+         makes it flat, a line or a point",
+        scene.meshes[mesh].name
+    ));
+    scene.instances = kept;
+    Ok(())
 }
 
 /// Removes meshes without triangles with all that refers to them.

@@ -2,13 +2,20 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, BVec3, Mat3, Vec3};
 
 use crate::animation::{Animation, Channel, Deformer, Interpolation, Keys, Local};
 use crate::error::SceneError;
-use crate::model::{Light, Material, Scene, Sky, TextureImage};
+use crate::model::{Aabb, Camera, Instance, Light, Material, Pose, Scene, Sky, TextureImage};
 
 type Check = Result<(), SceneError>;
+
+/// Farthest coordinate of a vertex, metres: the squared area of a triangle of this size, the
+/// fourth power of it, is still finite in f32.
+const FARTHEST: f32 = 1e9;
+
+/// Brightest light in its own unit: its square is still finite in f32.
+const BRIGHTEST: f32 = 1e18;
 
 fn require(holds: bool, place: &str, why: impl FnOnce() -> String) -> Check {
     if holds {
@@ -29,7 +36,12 @@ fn is_unit_range(values: &[f32]) -> bool {
 }
 
 fn is_energy(value: Vec3) -> bool {
-    value.is_finite() && value.min_element() >= 0.0
+    value.is_finite() && value.min_element() >= 0.0 && value.max_element() <= BRIGHTEST
+}
+
+fn is_near(value: Vec3) -> bool {
+    // Written so that it does not hold for NaN.
+    value.abs().max_element() <= FARTHEST && value.is_finite()
 }
 
 pub(crate) fn material(material: &Material, textures: &[TextureImage]) -> Check {
@@ -47,7 +59,7 @@ pub(crate) fn material(material: &Material, textures: &[TextureImage]) -> Check 
     }
     require(is_energy(material.emission), &place, || {
         format!(
-            "its emission {} must be finite and not negative",
+            "its emission {} must be within 0 and {BRIGHTEST:e}",
             material.emission
         )
     })?;
@@ -80,56 +92,119 @@ pub(crate) fn references(scene: &Scene) -> Check {
         self::light(light, &format!("light {i}"))?;
     }
     for camera in &scene.cameras {
-        let place = format!("camera `{}`", camera.name);
-        finite_transform(&camera.world_from_view, &place)?;
-        require(camera.y_fov > 0.0 && camera.y_fov < PI, &place, || {
-            format!(
-                "its field of view {} must be within 0 and pi radians",
-                camera.y_fov
-            )
-        })?;
-        require(camera.near > 0.0 && camera.near.is_finite(), &place, || {
-            format!("its near plane {} must be a positive distance", camera.near)
-        })?;
+        self::camera(camera)?;
     }
     sky(&scene.sky)
 }
 
+fn camera(camera: &Camera) -> Check {
+    let place = format!("camera `{}`", camera.name);
+    finite_transform(&camera.world_from_view, &place)?;
+    let axes = Mat3::from(camera.world_from_view.matrix3);
+    // 1e-3: far above the rounding of composed rotations, far below a scale that is meant.
+    let rigid =
+        (axes * axes.transpose()).abs_diff_eq(Mat3::IDENTITY, 1e-3) && axes.determinant() > 0.0;
+    require(rigid, &place, || {
+        "its axes must have length 1 and be at right angles, right-handed; give it no scale"
+            .to_owned()
+    })?;
+    require(camera.y_fov > 0.0 && camera.y_fov < PI, &place, || {
+        format!(
+            "its vertical field of view {} must be above 0 and below pi radians (180 degrees)",
+            camera.y_fov
+        )
+    })?;
+    require(camera.near > 0.0 && camera.near.is_finite(), &place, || {
+        format!(
+            "its near plane {} must be at a positive distance, such as 0.01",
+            camera.near
+        )
+    })
+}
+
+/// Where everything is at rest: nothing so far away that squares overflow.
+pub(crate) fn extent(scene: &Scene, rest: &Pose) -> Check {
+    let mut boxes: Vec<Aabb> = scene.meshes.iter().map(|m| bounds(&m.positions)).collect();
+    for deformed in &rest.deformed {
+        boxes[deformed.mesh as usize] = bounds(&deformed.positions);
+    }
+    for (i, (instance, transform)) in scene.instances.iter().zip(&rest.instances).enumerate() {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let bounds = boxes[instance.mesh as usize];
+        for transform in [transform, &instance.previous_transform] {
+            let corners = (0..8).map(|i| {
+                let high = BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0);
+                transform.transform_point3(Vec3::select(high, bounds.max, bounds.min))
+            });
+            if let Some(corner) = corners.into_iter().find(|&corner| !is_near(corner)) {
+                let why = format!(
+                    "it reaches to {corner}, farther than {FARTHEST:e} m from the origin; \
+                     check the scale and the positions of its nodes"
+                );
+                let place = format!("instance {i} of mesh `{}`", mesh.name);
+                return Err(SceneError::invalid(place, why));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn bounds(positions: &[Vec3]) -> Aabb {
+    positions.iter().fold(Aabb::EMPTY, |b, &p| b.grown(p))
+}
+
+/// Whether an instance can never be seen: it stands still and its transform makes it flat, a line
+/// or a point.
+pub(crate) fn has_no_volume(scene: &Scene, instance: &Instance) -> bool {
+    !keeps_volume(&instance.transform)
+        && instance
+            .node
+            .is_none_or(|node| !is_driven(&scene.animation, node))
+}
+
+/// Whether a clip moves a node or one above it.
+fn is_driven(animation: &Animation, node: u32) -> bool {
+    let mut chain = std::iter::successors(Some(node), |&n| animation.nodes[n as usize].parent);
+    let channels = || animation.clips.iter().flat_map(|clip| &clip.channels);
+    chain.any(|node| channels().any(|channel| channel.node == node))
+}
+
+/// Whether a transform keeps volume, so that rays can be carried to object space.
+pub(crate) fn keeps_volume(transform: &Affine3A) -> bool {
+    let inverse = transform.inverse();
+    transform.is_finite() && inverse.is_finite() && transform.matrix3.determinant() != 0.0
+}
+
 fn finite_transform(transform: &Affine3A, place: &str) -> Check {
     require(transform.is_finite(), place, || {
-        "its transform must be finite".to_owned()
+        "its transform is not finite; repair it where it was made".to_owned()
     })
 }
 
 fn light(light: &Light, place: &str) -> Check {
-    let (place_of, direction, power) = match *light {
-        Light::Directional {
-            direction,
-            irradiance,
-        } => (Vec3::ZERO, direction, irradiance),
-        Light::Point {
-            position,
-            intensity,
-        } => (position, Vec3::Z, intensity),
+    let power = light.power();
+    let (place_of, direction) = match *light {
+        Light::Directional { direction, .. } => (Vec3::ZERO, direction),
+        Light::Point { position, .. } => (position, Vec3::Z),
         Light::Spot {
             position,
             direction,
-            intensity,
             inner,
             outer,
+            ..
         } => {
             let ordered = 0.0 <= inner && inner < outer && outer <= FRAC_PI_2 + 1e-5;
             require(ordered, place, || {
                 format!("its cone must have 0 <= inner < outer <= pi/2, not {inner} and {outer}")
             })?;
-            (position, direction, intensity)
+            (position, direction)
         }
     };
-    require(place_of.is_finite(), place, || {
-        "its position must be finite".to_owned()
+    require(is_near(place_of), place, || {
+        format!("its position {place_of} must be finite and within {FARTHEST:e} m of the origin")
     })?;
     require(is_energy(power), place, || {
-        format!("its power {power} must be finite and not negative")
+        format!("its power {power} must be within 0 and {BRIGHTEST:e}")
     })?;
     // 1e-4: directions come out of f32 matrix products, and shading needs no better.
     let is_unit = (direction.length_squared() - 1.0).abs() < 1e-4;
@@ -141,7 +216,7 @@ fn light(light: &Light, place: &str) -> Check {
 pub(crate) fn sky(sky: &Sky) -> Check {
     match sky {
         Sky::Constant(radiance) => require(is_energy(*radiance), "sky", || {
-            format!("its radiance {radiance} must be finite and not negative")
+            format!("its radiance {radiance} must be within 0 and {BRIGHTEST:e}")
         }),
         Sky::Equirect {
             width,
@@ -163,7 +238,10 @@ pub(crate) fn sky(sky: &Sky) -> Check {
             })?;
             let bad = rgb.iter().position(|texel| !is_energy(Vec3::from(*texel)));
             require(bad.is_none(), "sky", || {
-                format!("texel {} must be finite and not negative", bad.unwrap_or(0))
+                format!(
+                    "texel {} must be within 0 and {BRIGHTEST:e}",
+                    bad.unwrap_or(0)
+                )
             })
         }
     }
@@ -176,6 +254,13 @@ pub(crate) fn animation(scene: &Scene) -> Check {
     for (i, node) in animation.nodes.iter().enumerate() {
         let place = format!("node {i} `{}`", node.name);
         finite_transform(&node.local.affine(), &place)?;
+        if let Local::Trs { rotation, .. } = node.local {
+            // As for directions.
+            let is_unit = (rotation.length_squared() - 1.0).abs() < 1e-4;
+            require(is_unit, &place, || {
+                format!("its rotation {rotation} must be a unit quaternion")
+            })?;
+        }
         require(node.parent.is_none_or(|p| (p as usize) < i), &place, || {
             "its parent must come before it".to_owned()
         })?;
@@ -237,6 +322,11 @@ fn deformer(scene: &Scene, deformer: &Deformer) -> Check {
     require(targets == weights, &place, || {
         format!("it has {targets} morph targets and {weights} weights")
     })?;
+    require(
+        deformer.weights.iter().all(|w| w.is_finite()),
+        &place,
+        || "a weight of a morph target is not finite".to_owned(),
+    )?;
     for target in &deformer.targets {
         for list in [&target.positions, &target.normals, &target.tangents] {
             require(list.is_empty() || list.len() == vertices, &place, || {
@@ -287,7 +377,7 @@ fn channel(animation: &Animation, channel: &Channel, place: &str) -> Check {
         format!("the key times of node `{}` must ascend strictly", node.name)
     })?;
     let (keys, per_key, finite) = match &channel.keys {
-        Keys::Translation(v) | Keys::Scale(v) => (v.len(), 1, v.iter().all(|k| k.is_finite())),
+        Keys::Translation(v) | Keys::Scale(v) => (v.len(), 1, v.iter().copied().all(is_near)),
         Keys::Rotation(v) => (v.len(), 1, v.iter().all(|k| k.is_finite())),
         Keys::Weights(v) => {
             let mut targets = animation
@@ -314,6 +404,9 @@ fn channel(animation: &Animation, channel: &Channel, place: &str) -> Check {
         format!("node `{}` needs {expected} keys, it has {keys}", node.name)
     })?;
     require(finite, place, || {
-        format!("a key of node `{}` is not finite", node.name)
+        format!(
+            "a key of node `{}` is not finite or beyond {FARTHEST:e}",
+            node.name
+        )
     })
 }

@@ -274,6 +274,16 @@ pub enum Light {
     },
 }
 
+impl Light {
+    /// Its irradiance or radiant intensity.
+    pub fn power(&self) -> Vec3 {
+        match *self {
+            Self::Directional { irradiance, .. } => irradiance,
+            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+        }
+    }
+}
+
 /// Light from infinitely far in every direction.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sky {

@@ -4,54 +4,10 @@ mod common;
 
 use std::sync::LazyLock;
 
-use common::glb;
+use common::{glb, message, read, with};
 use proptest::prelude::*;
-use scumble_scene::{LoadOptions, Scene, SceneError, Sky, builtin, load, load_bytes, to_glb};
+use scumble_scene::{LoadOptions, Sky, builtin, load, load_bytes, to_glb};
 use serde_json::{Value, json};
-
-fn read(bytes: &[u8]) -> Result<Scene, SceneError> {
-    load_bytes(bytes, "test", &LoadOptions::default())
-}
-
-fn message(bytes: &[u8]) -> String {
-    read(bytes).unwrap_err().to_string()
-}
-
-/// A mesh `Tri` of one triangle: three positions, then three u16 indices.
-fn triangle() -> (Value, Vec<u8>) {
-    let mut binary = Vec::new();
-    for value in [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
-        binary.extend(value.to_le_bytes());
-    }
-    for index in [0u16, 1, 2] {
-        binary.extend(index.to_le_bytes());
-    }
-    let document = json!({
-        "asset": {"version": "2.0"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
-        "meshes": [{"name": "Tri", "primitives": [
-            {"attributes": {"POSITION": 0}, "indices": 1},
-        ]}],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
-            {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"},
-        ],
-        "bufferViews": [
-            {"buffer": 0, "byteOffset": 0, "byteLength": 36},
-            {"buffer": 0, "byteOffset": 36, "byteLength": 6},
-        ],
-        "buffers": [{"byteLength": 42}],
-    });
-    (document, binary)
-}
-
-fn with(change: impl FnOnce(&mut Value, &mut Vec<u8>)) -> Vec<u8> {
-    let (mut document, mut binary) = triangle();
-    change(&mut document, &mut binary);
-    glb(&document, &binary)
-}
 
 #[test]
 fn the_plain_triangle_loads() {

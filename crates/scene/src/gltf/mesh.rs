@@ -153,7 +153,10 @@ fn triangles(order: &[u32], mode: Checked<Mode>, place: &str) -> Result<Vec<[u32
         }
         _ => Err(SceneError::invalid(
             place,
-            format!("{} indices are not whole triangles", order.len()),
+            format!(
+                "its {} indices are not whole triangles; give a multiple of 3",
+                order.len()
+            ),
         )),
     }
 }

@@ -79,7 +79,8 @@ impl Tree {
                 return Err(SceneError::invalid(format!("node {source}"), why));
             }
             let node = &root.nodes[source];
-            let local = local(node);
+            let local =
+                local(node).map_err(|why| SceneError::invalid(format!("node {source}"), why))?;
             let world = match parent {
                 Some(parent) => self.world[parent as usize] * local.affine(),
                 None => local.affine(),
@@ -102,13 +103,28 @@ impl Tree {
     }
 }
 
-fn local(node: &json::Node) -> Local {
-    match &node.matrix {
-        Some(matrix) => Local::Matrix(Affine3A::from_mat4(Mat4::from_cols_array(matrix))),
-        None => Local::Trs {
-            translation: node.translation.map_or(Vec3::ZERO, Vec3::from),
-            rotation: unit(Quat::from_array(node.rotation.unwrap_or_default().0)),
-            scale: node.scale.map_or(Vec3::ONE, Vec3::from),
-        },
+fn local(node: &json::Node) -> Result<Local, String> {
+    if let Some(matrix) = &node.matrix {
+        let last_row = [matrix[3], matrix[7], matrix[11], matrix[15]];
+        if last_row != [0.0, 0.0, 0.0, 1.0] {
+            return Err(format!(
+                "the last row of its matrix is {last_row:?} and must be 0, 0, 0, 1"
+            ));
+        }
+        return Ok(Local::Matrix(Affine3A::from_mat4(Mat4::from_cols_array(
+            matrix,
+        ))));
     }
+    let rotation = Quat::from_array(node.rotation.unwrap_or_default().0);
+    // Exporters round; what has a length is a rotation.
+    if !(rotation.is_finite() && rotation.length_recip().is_normal()) {
+        return Err(format!(
+            "its rotation {rotation} must be a unit quaternion, such as 0, 0, 0, 1"
+        ));
+    }
+    Ok(Local::Trs {
+        translation: node.translation.map_or(Vec3::ZERO, Vec3::from),
+        rotation: unit(rotation),
+        scale: node.scale.map_or(Vec3::ONE, Vec3::from),
+    })
 }

@@ -12,6 +12,7 @@ use super::mesh::{self, Deformation, Read};
 use super::nodes::Tree;
 use crate::animation::{Animation, Deformer};
 use crate::builder::SceneBuilder;
+use crate::check::keeps_volume;
 use crate::error::SceneError;
 use crate::model::{Camera, Instance, Light};
 use crate::pose::{placed_light, rigid};
@@ -171,6 +172,13 @@ fn camera(
         .clone()
         .unwrap_or_else(|| format!("camera {index}"));
     match &source.perspective {
+        Some(_) if !keeps_volume(world) => {
+            builder.warn(format!(
+                "camera `{name}` is left out: the transform of its node has no volume (a scale of \
+                 0) and so no axes"
+            ));
+            None
+        }
         Some(perspective) => Some(Camera {
             name,
             world_from_view: rigid(world),

@@ -49,12 +49,6 @@ pub(crate) struct InstanceRecord {
     pub padding: [u32; 2],
 }
 
-/// Whether a transform keeps volume, so that rays can be carried to object space.
-pub(crate) fn invertible(transform: &Affine3A) -> bool {
-    let inverse = transform.inverse();
-    transform.is_finite() && inverse.is_finite() && transform.matrix3.determinant() != 0.0
-}
-
 /// The three rows of an affine matrix.
 pub(crate) fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
     let m = &transform.matrix3;

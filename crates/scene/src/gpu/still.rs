@@ -5,9 +5,10 @@
 
 use super::geometry::{LeafTriangle, check_depth, deforming, leaf_triangle};
 use super::materials::{self, MIRRORED};
-use super::{BuildQuality, GpuSceneError, layout};
+use super::{BuildQuality, GpuSceneError};
 use crate::animation::Keys;
 use crate::bvh::Bvh;
+use crate::check::keeps_volume;
 use crate::{Instance, Scene};
 use glam::{Affine3A, Vec3};
 use obvhs::triangle::Triangle;
@@ -122,7 +123,7 @@ fn chosen(scene: &Scene, transforms: &[Affine3A], budget: u32) -> Vec<bool> {
                 None => instance.previous_transform != instance.transform,
             };
             let mesh = &scene.meshes[instance.mesh as usize];
-            let seen = !mesh.indices.is_empty() && layout::invertible(transform);
+            let seen = !mesh.indices.is_empty() && keeps_volume(transform);
             seen && !moves && !deforms[instance.mesh as usize]
         })
         .collect();

@@ -1,10 +1,11 @@
 //! Posing a scene: transforms, deformed meshes, the top level of the BVH, lights.
 
 use super::geometry::{self, Tree, check_depth, leaf_triangles, posed, vertex_records};
-use super::layout::{Info, InstanceRecord, NONE, invertible, rows};
+use super::layout::{Info, InstanceRecord, NONE, rows};
 use super::lights::{LightList, Lights};
 use super::{Draw, GpuScene, GpuSceneError, State, materials};
 use crate::bvh::{BuildQuality, Bvh, NODE_BYTES, transformed_bounds};
+use crate::check::keeps_volume;
 use crate::{Deformed, Mesh, Pose};
 use glam::{Affine3A, Vec3};
 
@@ -205,7 +206,7 @@ impl GpuScene {
                 } else {
                     place.tree.map_or(NONE, |tree| tree.root)
                 };
-                let seen = root != NONE && invertible(now);
+                let seen = root != NONE && keeps_volume(now);
                 InstanceRecord {
                     object_from_world: if seen {
                         rows(&now.inverse())
