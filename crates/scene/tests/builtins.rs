@@ -150,6 +150,20 @@ fn moving_follows_its_closed_form() {
             position.as_dvec3().distance(moving::light(time)) < 3e-6,
             "{time}"
         );
+        let [deformer] = &scene.animation.deformers[..] else {
+            panic!("one mesh deforms");
+        };
+        let column = &scene.meshes[deformer.mesh as usize];
+        assert!(deformer.skin.is_some() && !deformer.targets.is_empty());
+        for (i, found) in pose.deformed[0].positions.iter().enumerate() {
+            let displacement = deformer.targets[0].positions[i].as_dvec3();
+            let expected = moving::column(time, column.positions[i].as_dvec3(), displacement);
+            // 3e-6: as above.
+            assert!(
+                found.as_dvec3().distance(expected) < 3e-6,
+                "{time}, vertex {i}: {found}"
+            );
+        }
         let camera = &pose.cameras[0];
         assert!(
             camera.eye().as_dvec3().distance(moving::camera(time)) < 3e-6,

@@ -1,4 +1,4 @@
-//! An object, a light and a camera that move in closed form.
+//! An object, a column that bends and swells, a light and a camera, all moving in closed form.
 //!
 //! The motion is stored as key frames of rotations and straight lines, which interpolate to
 //! exactly the functions of this module; tests compare the two.
@@ -9,10 +9,13 @@ use glam::{Affine3A, DAffine3, DQuat, DVec3, Quat, Vec2, Vec3};
 
 use super::shape::Shape;
 use super::texture;
-use crate::animation::{Animation, Channel, Clip, Interpolation, Keys, Local, Node};
+use crate::animation::{
+    Animation, Channel, Clip, Deformer, Interpolation, Keys, Local, MorphTarget, Node, Skin,
+    SkinBinding,
+};
 use crate::builder::SceneBuilder;
 use crate::error::SceneError;
-use crate::model::{Camera, Instance, Light, Material, Scene, Sky, TextureRef};
+use crate::model::{Camera, Instance, Light, Material, Mesh, Scene, Sky, TextureRef};
 
 /// Seconds until everything is where it was.
 pub const PERIOD: f64 = 4.0;
@@ -28,6 +31,14 @@ pub const LIGHT_RADIUS: f64 = 1.8;
 pub const LIGHT_HEIGHT: f64 = 2.8;
 /// How far the camera moves to each side, metres.
 pub const CAMERA_SWING: f64 = 0.5;
+/// Where the column stands.
+pub const COLUMN_PLACE: DVec3 = DVec3::new(-1.9, 0.0, -1.3);
+/// Height of the column, metres.
+pub const COLUMN_HEIGHT: f64 = 1.5;
+/// How far the top of the column moves to each side, metres.
+pub const COLUMN_SWAY: f64 = 0.35;
+/// How far the top of the column turns to each side, radians.
+pub const COLUMN_TWIST: f64 = 1.0;
 
 /// Middle of the camera's path and what it looks at from there.
 const CAMERA_EYE: Vec3 = Vec3::new(0.0, 1.8, 5.2);
@@ -48,12 +59,30 @@ pub fn light(time: f64) -> DVec3 {
     turn(time, -1.0) * DVec3::new(LIGHT_RADIUS, LIGHT_HEIGHT, 0.0)
 }
 
+/// To and fro at constant speed within -1 and 1, from 0 upwards first.
+fn swing(time: f64) -> f64 {
+    let phase = (time / PERIOD).rem_euclid(1.0);
+    1.0 - 4.0 * ((phase + 0.25).rem_euclid(1.0) - 0.5).abs()
+}
+
 /// Position of the camera at `time` seconds: to and fro at constant speed, from the middle to
 /// the right first. It does not turn.
 pub fn camera(time: f64) -> DVec3 {
-    let phase = (time / PERIOD).rem_euclid(1.0);
-    let triangle = 1.0 - 4.0 * ((phase + 0.25).rem_euclid(1.0) - 0.5).abs();
-    CAMERA_EYE.as_dvec3() + DVec3::X * CAMERA_SWING * triangle
+    CAMERA_EYE.as_dvec3() + DVec3::X * CAMERA_SWING * swing(time)
+}
+
+/// Where the point `rest` of the column's mesh, which its morph target moves by `displacement`, is
+/// in the world at `time` seconds.
+///
+/// With h = rest.y / height, p = rest + w displacement is (1 - h) p + h (sway + R p): the joint at
+/// the bottom stands still, the one of the top sways along x and turns about the axis. The morph
+/// weight w goes from 0 to 1 and back twice in a period.
+pub fn column(time: f64, rest: DVec3, displacement: DVec3) -> DVec3 {
+    let h = rest.y / COLUMN_HEIGHT;
+    let p = rest + swing(time).abs() * displacement;
+    let tip = DVec3::X * COLUMN_SWAY * swing(time)
+        + DQuat::from_rotation_y(COLUMN_TWIST * swing(time)) * p;
+    COLUMN_PLACE + (1.0 - h) * p + h * tip
 }
 
 /// Keys of a turn at constant speed, at most a quarter turn apart.
@@ -73,14 +102,23 @@ fn turning(node: u32, turns: i32) -> Channel {
     }
 }
 
-fn animation(camera_rotation: Quat) -> Animation {
+fn animation(camera_rotation: Quat, column: Deformer) -> Animation {
     let node = |name: &str, parent, local| Node {
         name: name.to_owned(),
         parent,
         local,
     };
     let along_x = |x: f64, y: f64| Local::translation(Vec3::new(x as f32, y as f32, 0.0));
-    let quarters = [0.0, 0.25, 0.75, 1.0].map(|f| f * PERIOD);
+    // The turning points of `swing` and where it passes 0.
+    let quarters = [0.0, 0.25, 0.5, 0.75, 1.0].map(|f| f * PERIOD);
+    let swinging = |node, keys| Channel {
+        node,
+        times: quarters.map(|t| t as f32).to_vec(),
+        interpolation: Interpolation::Linear,
+        keys,
+    };
+    let sway = |t| (DVec3::X * COLUMN_SWAY * swing(t)).as_vec3();
+    let twist = |t| DQuat::from_rotation_y(COLUMN_TWIST * swing(t)).as_quat();
     Animation {
         nodes: vec![
             node("object pivot", None, Local::IDENTITY),
@@ -96,6 +134,8 @@ fn animation(camera_rotation: Quat) -> Animation {
                     scale: Vec3::ONE,
                 },
             ),
+            node("column", None, Local::translation(COLUMN_PLACE.as_vec3())),
+            node("column top", Some(COLUMN_NODE), Local::IDENTITY),
         ],
         clips: vec![Clip {
             name: "moving".to_owned(),
@@ -104,17 +144,78 @@ fn animation(camera_rotation: Quat) -> Animation {
                 turning(0, 1),
                 turning(1, SPINS as i32),
                 turning(2, -1),
-                Channel {
-                    node: 4,
-                    times: quarters.map(|t| t as f32).to_vec(),
-                    interpolation: Interpolation::Linear,
-                    keys: Keys::Translation(quarters.map(|t| camera(t).as_vec3()).to_vec()),
-                },
+                swinging(
+                    4,
+                    Keys::Translation(quarters.map(|t| camera(t).as_vec3()).to_vec()),
+                ),
+                swinging(
+                    COLUMN_NODE,
+                    Keys::Weights(quarters.map(|t| swing(t).abs() as f32).to_vec()),
+                ),
+                swinging(
+                    COLUMN_NODE + 1,
+                    Keys::Translation(quarters.map(sway).to_vec()),
+                ),
+                swinging(
+                    COLUMN_NODE + 1,
+                    Keys::Rotation(quarters.map(twist).to_vec()),
+                ),
             ],
         }],
+        skins: vec![Skin {
+            name: "column".to_owned(),
+            joints: vec![COLUMN_NODE, COLUMN_NODE + 1],
+            // At bind time the top joint lies in the bottom one, which is the space of the mesh.
+            inverse_bind: vec![Affine3A::IDENTITY; 2],
+        }],
+        deformers: vec![column],
         light_nodes: vec![Some(3)],
         camera_nodes: vec![Some(4)],
-        ..Animation::default()
+    }
+}
+
+/// The node that carries the column, its bottom joint; the next is the top joint.
+const COLUMN_NODE: u32 = 5;
+
+/// A fluted column with a closed top, standing on the origin.
+fn column_shape() -> Shape {
+    let height = COLUMN_HEIGHT as f32;
+    let profile = [
+        [0.34, 0.0],
+        [0.22, 0.2 * height],
+        [0.2, 0.4 * height],
+        [0.2, 0.6 * height],
+        [0.22, 0.8 * height],
+        [0.3, height],
+        [0.0, height],
+    ];
+    Shape::default().lathe(32, 24, &profile, |angle, _| 1.0 + 0.2 * (4.0 * angle).cos())
+}
+
+/// How the column deforms: one morph target that swells its middle, two joints by height.
+fn column_deformer(index: u32, mesh: &Mesh) -> Deformer {
+    let swell = |p: &Vec3| {
+        let h = p.y / COLUMN_HEIGHT as f32;
+        Vec3::new(p.x, 0.0, p.z) * (2.0 * h * (1.0 - h))
+    };
+    let weights = mesh.positions.iter().flat_map(|p| {
+        let h = (p.y / COLUMN_HEIGHT as f32).clamp(0.0, 1.0);
+        [1.0 - h, h, 0.0, 0.0]
+    });
+    Deformer {
+        mesh: index,
+        node: COLUMN_NODE,
+        skin: Some(SkinBinding {
+            skin: 0,
+            influences: 4,
+            joints: [0, 1, 0, 0].repeat(mesh.positions.len()),
+            weights: weights.collect(),
+        }),
+        targets: vec![MorphTarget {
+            positions: mesh.positions.iter().map(swell).collect(),
+            ..MorphTarget::default()
+        }],
+        weights: vec![0.0],
     }
 }
 
@@ -180,6 +281,14 @@ pub(super) fn scene() -> Result<Scene, SceneError> {
         node: Some(1),
         ..Instance::new(object_mesh, affine(&object(0.0)))
     });
+    let column_mesh = Mesh {
+        deforms: true,
+        ..column_shape().into_mesh("column", body_material)
+    };
+    let column = builder.mesh(column_mesh.clone())?;
+    let column = column_deformer(column, &column_mesh);
+    // A skinned mesh is posed in the world.
+    builder.instance(Instance::new(column.mesh, Affine3A::IDENTITY));
     for (name, shape, material) in [
         ("room", room(), floor),
         ("left wall", side(-3.2), red),
@@ -199,7 +308,7 @@ pub(super) fn scene() -> Result<Scene, SceneError> {
     };
     let rotation = Quat::from_mat3a(&view.world_from_view.matrix3);
     builder.camera(view);
-    builder.animation(animation(rotation));
+    builder.animation(animation(rotation, column));
     builder.build()
 }
 
