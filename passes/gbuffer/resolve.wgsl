@@ -74,7 +74,7 @@ fn resolve_material(@builtin(global_invocation_id) id: vec3u) {
     } else if !seen.is_hole {
         let s = seen.surface;
         k_d = vec4f(s.albedo, s.f90);
-        material = vec4f(s.f0, s.roughness);
+        material = material_encode(s.f0, s.roughness);
         emission = s.emission;
     }
     textureStore(out_albedo, id.xy, k_d);

@@ -28,7 +28,7 @@ fn primary_vertex(pixel: vec2u, camera: vec3f) -> Vertex {
     let x = textureLoad(position, pixel, 0).xyz;
     let n = octahedral_decode(textureLoad(normal, pixel, 0).x);
     let g = octahedral_decode(textureLoad(geo_normal, pixel, 0).x);
-    let m = textureLoad(material, pixel, 0);
+    let m = material_decode(textureLoad(material, pixel, 0));
     // F90 stands in the fourth channel of the albedo.
     let k_d = textureLoad(albedo, pixel, 0);
     return Vertex(offset_origin(x, g, g), brdf_new(n, g, normalize(camera - x), k_d.xyz, m.xyz, k_d.w, m.w));

@@ -155,7 +155,7 @@ signals! {
     VIEW_Z = "view_z", R32Float, "distance along the view axis in metres, positive; 1e30 is sky, -1 a hole";
     POSITION = "position", Rgba32Float, "world position in metres";
     MOTION = "motion", Rg32Float, "uv now minus uv in the previous frame of the same surface point, jitter removed";
-    MATERIAL = "material", Rgba8Unorm, "base reflectance (rgb) and perceptual roughness (a)";
+    MATERIAL = "material", Rgba8Unorm, "root of the base reflectance (rgb) and perceptual roughness (a)";
     SURFACE_ID = "surface_id", R32Uint, "instance and material; 0 is sky";
     HIT_T = "hit_t", R32Float, "length of the first indirect segment in metres";
     MOMENTS = "moments", Rg32Float, "`E[L]` and `E[L^2]` of the luminance of one named signal";

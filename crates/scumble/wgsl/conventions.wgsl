@@ -1,4 +1,4 @@
-// The conventions every pass obeys: packed normals, luminance, finiteness, sky and holes.
+// The conventions every pass obeys: packed normals and materials, luminance, finiteness, sky and holes.
 // Octahedral map: Meyer, Suessmuth, Sussner, Stamminger, Greiner, "On Floating-Point Normal Vectors", EGSR 2010,
 // in the form of Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014.
 // Luminance: Rec. ITU-R BT.709-6, section 3.2, of linear values.
@@ -63,4 +63,15 @@ fn octahedral_decode(packed: u32) -> vec3f {
     let z = 1.0 - abs(p.x) - abs(p.y);
     let xy = select((1.0 - abs(p.yx)) * sign_not_zero(p), p, z >= 0.0);
     return normalize(vec3f(xy, z));
+}
+
+// Base reflectance and perceptual roughness in 4 x unorm8. The root of the reflectance is stored: it spends the 8 bits on
+// dielectrics, and 0.04, of every surface that states none, is exactly (51 / 255)^2.
+fn material_encode(f0: vec3f, roughness: f32) -> vec4f {
+    return vec4f(sqrt(f0), roughness);
+}
+
+// Base reflectance, and perceptual roughness in w.
+fn material_decode(stored: vec4f) -> vec4f {
+    return vec4f(stored.xyz * stored.xyz, stored.w);
 }
