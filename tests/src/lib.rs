@@ -1,19 +1,22 @@
-//! What the whole-system tests share: a renderer of graph files without a window.
+//! What the tests of whole pipelines and of single passes share: a renderer of graphs without a window, and what every
+//! pass must keep.
 
 #![forbid(unsafe_code)]
 
+mod conformance;
+mod rig;
+
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use glam::Mat4;
-use scumble::{Camera, FrameInput, Host, Pipeline, Registry, Resolved, readback};
+use scumble::{FrameInput, Registry, Resolved};
 use scumble_metrics::Image;
-use scumble_scene::{GpuScene, Scene};
+use scumble_scene::Scene;
 
-/// A device of the system's adapter, and every pass.
+pub use conformance::keeps_the_rules;
+pub use rig::{Rig, gpu, octahedral, scene_camera};
+
+/// Renders graph files with every pass of the repository.
 pub struct Renderer {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
     /// The passes of the repository.
     pub registry: Registry,
 }
@@ -31,28 +34,11 @@ pub struct View {
 }
 
 impl Renderer {
-    /// On the adapter that wgpu prefers, with WebGPU's default limits.
-    ///
-    /// # Panics
-    /// Without an adapter: `cargo xtask test` installs a software driver where there is none.
+    /// On the device of [`gpu`].
     #[allow(clippy::new_without_default)]
     pub fn new() -> Self {
-        let instance = wgpu::Instance::default();
-        let (device, queue) = pollster::block_on(async {
-            let adapter = instance
-                .request_adapter(&wgpu::RequestAdapterOptions::default())
-                .await
-                .expect("an adapter");
-            adapter
-                .request_device(&wgpu::DeviceDescriptor::default())
-                .await
-                .expect("a device")
-        });
-        let registry = scumble_passes::registry();
         Self {
-            device,
-            queue,
-            registry,
+            registry: scumble_passes::registry(),
         }
     }
 
@@ -67,31 +53,15 @@ impl Renderer {
         outputs: &[&str],
         mut each: impl FnMut(u32, &[Vec<[f32; 4]>]),
     ) {
-        let seen = &view.scene.cameras[0];
-        let camera = Camera {
-            world_from_view: Mat4::from(seen.world_from_view),
-            y_fov: seen.y_fov,
-            near: seen.near,
-        };
-        let (device, queue) = (&self.device, &self.queue);
-        let mut host = Host::new();
-        let scene = GpuScene::new(device, queue, Arc::new(view.scene)).unwrap();
-        host.insert("Scene", scene);
-        let mut pipeline =
-            Pipeline::new(device, queue, &self.registry, graph, &host, view.size).unwrap();
+        let mut rig = Rig::resolved(graph, view.scene, view.size);
         for frame in 0..view.frames {
-            let mut encoder = device.create_command_encoder(&Default::default());
             let input = FrameInput {
                 frame,
                 seed: view.seed,
-                ..FrameInput::still(camera)
+                ..FrameInput::still(rig.camera)
             };
-            pipeline.render(&mut encoder, &input, &mut host).unwrap();
-            queue.submit([encoder.finish()]);
-            let texels: Vec<_> = outputs
-                .iter()
-                .map(|name| readback(device, queue, pipeline.output(name).unwrap()).unwrap())
-                .collect();
+            rig.render(&input);
+            let texels: Vec<_> = outputs.iter().map(|name| rig.read(name)).collect();
             each(frame, &texels);
         }
     }
@@ -109,9 +79,21 @@ impl Renderer {
     }
 }
 
+/// A file of the repository, by its path from the root.
+pub fn repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
+}
+
 /// A file of `graphs/`.
 pub fn graph_file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../graphs")
-        .join(name)
+    repository("graphs").join(name)
+}
+
+/// The graph files of `graphs/`, by name.
+pub fn graph_files() -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(repository("graphs")).unwrap();
+    let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.extension().is_some_and(|e| e == "ron"));
+    files.sort();
+    files
 }

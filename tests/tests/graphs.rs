@@ -1,20 +1,10 @@
 //! Every graph of this repository resolves with the passes of this repository, and wires what it means to.
 
-use std::path::{Path, PathBuf};
-
 use scumble::{Edits, Resolved, Source, resolve};
-
-fn graphs() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../graphs");
-    let entries = std::fs::read_dir(folder).unwrap();
-    let files = entries.map(|entry| entry.unwrap().path());
-    files
-        .filter(|path| path.extension().is_some_and(|e| e == "ron"))
-        .collect()
-}
+use scumble_tests::graph_files;
 
 fn graph(name: &str) -> Resolved {
-    let path = graphs()
+    let path = graph_files()
         .into_iter()
         .find(|path| path.file_stem().unwrap() == name)
         .unwrap();
@@ -34,7 +24,7 @@ fn reads(graph: &Resolved, pass: &str, input: &str) -> String {
 
 #[test]
 fn every_graph_resolves_and_says_what_it_is() {
-    let files = graphs();
+    let files = graph_files();
     assert!(files.len() >= 9, "the graphs are found");
     for path in files {
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
@@ -111,7 +101,7 @@ fn variants_change_what_they_say() {
 
 #[test]
 fn the_past_is_read_where_a_history_goes_on_and_nowhere_else() {
-    for path in graphs() {
+    for path in graph_files() {
         let graph = graph(&path.file_stem().unwrap().to_string_lossy());
         for pass in &graph.passes {
             for (input, source) in &pass.inputs {

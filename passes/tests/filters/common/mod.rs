@@ -5,10 +5,10 @@ mod image;
 
 pub use close::{Storage, assert_close};
 pub use image::{Guides, Image, Random, SIZES, is_finite, is_surface, luminance};
+pub use scumble_tests::gpu;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::sync::OnceLock;
 
 use half::f16;
 use scumble::{Camera, Edits, FrameInput, Host, Pipeline, ReportValue, Signal, resolve_text};
@@ -23,17 +23,6 @@ pub fn camera() -> Camera {
 pub fn to_view(direction: [f64; 3]) -> [f64; 3] {
     let v = camera().view_from_world().as_dmat4();
     v.transform_vector3(direction.into()).into()
-}
-
-/// A device on any adapter, software included.
-pub fn gpu() -> &'static (wgpu::Device, wgpu::Queue) {
-    static GPU: OnceLock<(wgpu::Device, wgpu::Queue)> = OnceLock::new();
-    GPU.get_or_init(|| {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let adapter = pollster::block_on(instance.request_adapter(&Default::default()))
-            .expect("a Vulkan driver, lavapipe for one");
-        pollster::block_on(adapter.request_device(&Default::default())).unwrap()
-    })
 }
 
 /// What an input port is fed.
