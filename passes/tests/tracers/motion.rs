@@ -1,7 +1,8 @@
 //! Motion vectors against motion computed from the poses of the scene.
 
 use crate::common::geometry::{
-    direction, nearest, pixel_uv, point, project, scene_camera, triangles,
+    Triangle, direction, nearest, pixel_uv, point, project, scene_camera, triangles,
+    triangles_of_moving,
 };
 use crate::common::rig::Rig;
 use crate::common::scenes::room;
@@ -16,17 +17,16 @@ fn graph(with: &str) -> String {
     )
 }
 
-/// Compares motion between two times with that of the nearest triangle's own vertices, found by brute force.
+/// Compares motion between two times with that of the nearest triangle's own vertices, found by brute force in `all`.
 /// Returns (pixels that hit something, pixels off by more than 0.01 pixel, pixels that moved).
 fn compare(
     scene: Scene,
+    all: &[Triangle],
     camera: [Camera; 2],
     times: [f32; 2],
     size: [u32; 2],
     source: &str,
 ) -> (usize, usize, usize) {
-    let [before, now] = times;
-    let all = triangles(&scene, now, before);
     let mut rig = Rig::new(&graph(&format!("source: {source}")), scene, size);
     for time in times {
         rig.pose(time);
@@ -43,7 +43,7 @@ fn compare(
     let (mut hits, mut wrong, mut moved) = (0, 0, 0);
     for i in 0..motion.len() {
         let d = direction(&camera[1], size, pixel_uv(i, size));
-        let Some(met) = nearest(&all, camera[1].position(), d, f32::MAX) else {
+        let Some(met) = nearest(all, camera[1].position(), d, f32::MAX) else {
             continue;
         };
         // Pixels along edges, where one of the two sees the sky, are not hits of both.
@@ -62,13 +62,20 @@ fn compare(
     (hits, wrong, moved)
 }
 
+/// Nodes, camera, skin and morph target of `moving`, against its closed form.
 #[test]
-fn motion_of_nodes_and_camera() {
+fn motion_of_the_closed_form() {
     let scene = scumble_scene::builtin("moving").unwrap();
-    let at = |time| scene_camera(&scene.pose(time).cameras[0]);
-    let cameras = [at(0.5), at(0.55)];
+    let times = [0.5, 0.55];
+    let cameras = times.map(|time| {
+        let camera = scene_camera(&scene.pose(time).cameras[0]);
+        let eye = scumble_scene::moving::camera(f64::from(time)).as_vec3();
+        assert!(camera.position().distance(eye) < 3e-6, "ten ulp of 6 m");
+        camera
+    });
+    let all = triangles_of_moving(&scene, times[1], times[0]);
     for source in ["RayTraced", "Raster"] {
-        let (hits, wrong, moved) = compare(scene.clone(), cameras, [0.5, 0.55], [96, 64], source);
+        let (hits, wrong, moved) = compare(scene.clone(), &all, cameras, times, [96, 64], source);
         assert!(
             hits > 1000 && moved > hits / 20,
             "{source}: {hits} hits, {moved} moved"
@@ -80,6 +87,33 @@ fn motion_of_nodes_and_camera() {
     }
 }
 
+/// The column fills the image: every hit is on skinned and morphed vertices.
+#[test]
+fn motion_of_skin_and_morph_target() {
+    let mut scene = scumble_scene::builtin("moving").unwrap();
+    let column = scene.animation.deformers[0].mesh;
+    scene.instances.retain(|instance| instance.mesh == column);
+    let middle = scumble_scene::moving::COLUMN_PLACE.as_vec3() + 0.75 * Vec3::Y;
+    let camera = Camera::look_at(middle + Vec3::new(0.5, 0.6, 2.0), middle, 45.0);
+    // The second pair spans a turning point of both, at a quarter of the period.
+    for times in [[0.5, 0.6], [0.96, 1.06]] {
+        let all = triangles_of_moving(&scene, times[1], times[0]);
+        for source in ["RayTraced", "Raster"] {
+            let (hits, wrong, moved) =
+                compare(scene.clone(), &all, [camera; 2], times, [96, 96], source);
+            assert!(
+                hits > 1500 && moved > hits / 2,
+                "{source}: {hits} hits, {moved} moved"
+            );
+            assert!(
+                wrong * 1000 <= hits,
+                "{source}: {wrong} of {hits} are off by more than 0.01 pixel"
+            );
+        }
+    }
+}
+
+/// A file's many joints, against the poses of the scene.
 #[test]
 fn motion_of_skinned_vertices() {
     let Some(path) = scumble_scene::shared("scenes/CesiumMan.glb") else {
@@ -94,9 +128,10 @@ fn motion_of_skinned_vertices() {
         world_from_view: glam::Mat4::from_rotation_y(0.01) * camera.world_from_view,
         ..camera
     };
+    let (cameras, times) = ([camera, moved_camera], [0.3, 0.35]);
+    let all = triangles(&scene, times[1], times[0]);
     for source in ["RayTraced", "Raster"] {
-        let cameras = [camera, moved_camera];
-        let (hits, wrong, moved) = compare(scene.clone(), cameras, [0.3, 0.35], [96, 96], source);
+        let (hits, wrong, moved) = compare(scene.clone(), &all, cameras, times, [96, 96], source);
         assert!(hits > 500 && moved > hits / 2, "{hits} hits, {moved} moved");
         assert!(
             wrong * 1000 <= hits,
@@ -105,23 +140,27 @@ fn motion_of_skinned_vertices() {
     }
 }
 
-/// A still camera before a still scene has motion 0, bit by bit, whatever the jitter.
+/// A still camera before a still scene has motion 0, bit by bit, whatever the jitter; so has one whose nodes, skins and
+/// morph targets stand still in the middle of their clips.
 #[test]
 fn jitter_is_not_motion() {
     for source in ["Raster", "RayTraced"] {
-        let mut rig = Rig::new(
-            &graph(&format!("source: {source}, jitter: Halton")),
-            room(),
-            [45, 32],
-        );
-        for frame in 0..4 {
-            rig.render(&rig.still(frame, 0));
-            assert!(
-                rig.read("motion")
-                    .iter()
-                    .all(|m| m[0] == 0.0 && m[1] == 0.0),
-                "{source}, frame {frame}"
-            );
+        for scene in [room(), scumble_scene::builtin("moving").unwrap()] {
+            let name = scene.name.clone();
+            let graph = graph(&format!("source: {source}, jitter: Halton"));
+            let mut rig = Rig::new(&graph, scene, [45, 32]);
+            rig.pose(0.7);
+            rig.render(&rig.still(0, 0));
+            for frame in 1..5 {
+                rig.pose(0.7);
+                rig.render(&rig.still(frame, 0));
+                assert!(
+                    rig.read("motion")
+                        .iter()
+                        .all(|m| m[0] == 0.0 && m[1] == 0.0),
+                    "{name}, {source}, frame {frame}"
+                );
+            }
         }
     }
 }

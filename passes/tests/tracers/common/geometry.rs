@@ -1,8 +1,9 @@
 //! A scene's triangles on the CPU, met by brute force: an independent answer to "what is there".
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use scumble::Camera;
-use scumble_scene::{Pose, Scene};
+use scumble_scene::{Pose, Scene, moving};
+pub use scumble_tests::scene_camera;
 
 /// A triangle in world space, now and one frame earlier.
 pub struct Triangle {
@@ -32,22 +33,49 @@ fn corners(scene: &Scene, pose: &Pose, instance: usize) -> Vec<Vec3> {
         .collect()
 }
 
-/// All triangles of a scene at two times.
+/// All triangles of a scene at two times, as its poses have them.
 pub fn triangles(scene: &Scene, now: f32, before: f32) -> Vec<Triangle> {
-    let (pose_now, pose_before) = (scene.pose(now), scene.pose(before));
+    let poses = [scene.pose(now), scene.pose(before)];
+    triangles_by(scene, |i| {
+        poses.each_ref().map(|pose| corners(scene, pose, i))
+    })
+}
+
+/// All triangles of the built-in `moving` at two times, by its closed form.
+pub fn triangles_of_moving(scene: &Scene, now: f32, before: f32) -> Vec<Triangle> {
+    let column = &scene.animation.deformers[0];
+    triangles_by(scene, |i| {
+        let rest = &scene.meshes[scene.instances[i].mesh as usize].positions;
+        [now, before].map(|time| {
+            let at = |(v, p): (usize, &Vec3)| {
+                let p = p.as_dvec3();
+                match scene.instances[i].mesh {
+                    mesh if mesh == column.mesh => {
+                        let displacement = column.targets[0].positions[v].as_dvec3();
+                        moving::column(f64::from(time), p, displacement)
+                    }
+                    // The object comes first and is the only one that a node carries.
+                    0 => moving::object(f64::from(time)).transform_point3(p),
+                    _ => p,
+                }
+            };
+            rest.iter().enumerate().map(|v| at(v).as_vec3()).collect()
+        })
+    })
+}
+
+/// Triangles from the world positions of each instance's vertices, now and one frame earlier.
+fn triangles_by(scene: &Scene, vertices: impl Fn(usize) -> [Vec<Vec3>; 2]) -> Vec<Triangle> {
     let mut all = Vec::new();
     for (i, instance) in scene.instances.iter().enumerate() {
         let mesh = &scene.meshes[instance.mesh as usize];
-        let (p, q) = (
-            corners(scene, &pose_now, i),
-            corners(scene, &pose_before, i),
-        );
+        let [now, before] = vertices(i);
         let emission = scene.materials[mesh.material as usize].emission;
         for t in &mesh.indices {
             let at = |v: &[Vec3]| t.map(|k| v[k as usize]);
             all.push(Triangle {
-                now: at(&p),
-                before: at(&q),
+                now: at(&now),
+                before: at(&before),
                 emission,
             });
         }
@@ -89,6 +117,26 @@ pub fn point([a, b, c]: [Vec3; 3], uv: Vec2) -> Vec3 {
     a + (b - a) * uv.x + (c - a) * uv.y
 }
 
+/// How far a point is from a triangle.
+pub fn distance([a, b, c]: [Vec3; 3], p: Vec3) -> f32 {
+    let normal = (b - a).cross(c - a);
+    let inside = [(a, b), (b, c), (c, a)]
+        .into_iter()
+        .all(|(q, r)| (r - q).cross(p - q).dot(normal) >= 0.0);
+    if inside && normal != Vec3::ZERO {
+        return (p - a).dot(normal.normalize()).abs();
+    }
+    let to_edge = |(q, r): (Vec3, Vec3)| {
+        let along = r - q;
+        let t = (p - q).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
+        p.distance(q + along * t.clamp(0.0, 1.0))
+    };
+    [(a, b), (b, c), (c, a)]
+        .map(to_edge)
+        .into_iter()
+        .fold(f32::MAX, f32::min)
+}
+
 /// Image position of a world-space point; origin top-left, 1 at the far borders.
 pub fn project(camera: &Camera, size: [u32; 2], p: Vec3) -> Vec2 {
     let clip = camera.clip_from_world(size) * p.extend(1.0);
@@ -114,13 +162,4 @@ pub fn pixel_uv(i: usize, size: [u32; 2]) -> Vec2 {
         ((i % w) as f32 + 0.5) / w as f32,
         ((i / w) as f32 + 0.5) / h as f32,
     )
-}
-
-/// A camera of a posed scene.
-pub fn scene_camera(camera: &scumble_scene::Camera) -> Camera {
-    Camera {
-        world_from_view: Mat4::from(camera.world_from_view),
-        y_fov: camera.y_fov,
-        near: camera.near,
-    }
 }
