@@ -1,5 +1,7 @@
-// Primary rays of a pinhole camera (right-handed, looking along -Z, uv origin top-left).
-// A pixel is sampled at its centre plus `sample_offset` pixels; the offset is the jitter of the frame.
+// Primary rays of a pinhole camera (right-handed, looking along -Z, uv origin top-left):
+//   d = forward + p_x right - p_y up,   p = 2 (pixel + 1/2 + offset) / size - 1,
+// right and up as long as half the image at distance 1. `offset` is the jitter of the frame, in pixels.
+// Shirley, Ashikhmin, Marschner 2009, "Fundamentals of Computer Graphics", section 4.3, perspective.
 
 struct Params {
     camera_position: vec3f,

@@ -1,4 +1,7 @@
-// Mean length of the first segment after the visible point: sum t / (how many segments hit something).
+// Mean length of the first segment after the visible point:
+//   hit_t = sum t / (how many segments hit something),
+// the hit distance that guides denoisers: Liu et al. 2019, "Cinematic Rendering in UE4 with Real-Time Ray Tracing and
+// Denoising", Ray Tracing Gems, chapter 19.
 // Segments that leave the scene are not in the mean; where all do, and where nothing was traced, hit_t is 1e30.
 
 #include "scumble/conventions.wgsl"

@@ -1,5 +1,6 @@
 // Traces `slice_samples` paths for each pixel of the rows first_row..first_row+slice_rows and adds them to the sums so far.
-// Monte Carlo estimate of E and L_spec (tracing/path.wgsl); every other pixel's sums are handed on as they are.
+// Monte Carlo estimate of E and L_spec (tracing/path.wgsl), int f = 1/n sum f(x_i) / p(x_i): Kajiya, "The rendering
+// equation", SIGGRAPH 1986. Every other pixel's sums are handed on as they are.
 
 #include "tracing/sums.wgsl"
 

@@ -1,5 +1,6 @@
 // Sums over the samples of a pixel, from which means and moments follow:
 //   E[X] = sum X / n,   E[L^2] = sum lum(X)^2 / n;   E[L] = lum(E[X]), since luminance is linear.
+// The moments that variance is estimated from: Schied et al. 2017, "Spatiotemporal Variance-Guided Filtering", section 4.2.
 // Kept apart from the outputs so that one frame's samples can be spread over several dispatches, added in a fixed order.
 
 #include "tracing/path.wgsl"

@@ -1,4 +1,5 @@
-// Vertices for the raster pipeline, pulled from the buffers that rays read: x_world = M x_object.
+// Vertices for the raster pipeline, pulled from the buffers that rays read: x_world = M x_object
+// (Akenine-Moeller et al. 2018, "Real-Time Rendering", section 4.1).
 // Draw 3 * triangles vertices with the instance id as instance index and no vertex buffers. The
 // fragment stage interpolates `barycentric` and asks surface_from_triangle for everything else.
 #include "scene/bindings.wgsl"

@@ -1,7 +1,8 @@
 // A value at another resolution, for a pass that is bypassed. Texel i of a grid of n x n pixels stands for the pixel
 // that is traced for it, min(i n + n/2, size - 1); n = 1 is every pixel. Per axis, at a pixel x between the pixels x0
 // and x1 of two neighbouring texels: value = (1 - t) v0 + t v1, t = (x - x0) / (x1 - x0); outside, the nearest texel.
-// Bilinear interpolation at the sample points; nearest takes t < 1/2 ? v0 : v1.
+// Bilinear interpolation at the sample points (Pharr, Jakob, Humphreys 2016, "Physically Based Rendering", section 10.4.4);
+// nearest takes t < 1/2 ? v0 : v1.
 
 struct Params {
     full_size: vec2u,
