@@ -75,7 +75,7 @@ fn shaders_open_with_equation_and_source() {
         let year = |w: &&str| w.len() == 4 && w.parse().is_ok_and(|y| (1900..2100).contains(&y));
         let standard = ["glTF", "BT", "IEC"].iter().any(|s| words.contains(s));
         let equation = header.contains(['=', '(', '[']);
-        if !(equation && (standard || words.iter().any(|w| year(&w)))) {
+        if !(equation && (standard || words.iter().any(year))) {
             wrong.push(format!(
                 "{}: no equation or no source in its header",
                 path.display()

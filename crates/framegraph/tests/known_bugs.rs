@@ -85,7 +85,7 @@ fn unstable_ties() {
         let a = fg.texture("a", R32);
         let a = produce(&mut fg, &k, "produce", a);
         for i in (0..100).rev() {
-            look(&mut fg, &k, &format!("look {i}"), a);
+            look(&mut fg, &k, format!("look {i}"), a);
         }
         let plan = fg.compile().unwrap();
         assert!(plan.order().is_sorted(), "{:?}", plan.order());

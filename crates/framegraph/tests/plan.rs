@@ -53,7 +53,7 @@ fn compute_is_kept_together() {
     for n in ["1", "2"] {
         let t = fg.texture(n, R32);
         let t = fg.clear_texture(format!("clear {n}"), t, [0.0; 4]);
-        let t = bump(&mut fg, &k, &format!("bump {n}"), t);
+        let t = bump(&mut fg, &k, format!("bump {n}"), t);
         fg.export_texture(n, t);
     }
     assert_plan!(

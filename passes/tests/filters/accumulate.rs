@@ -64,7 +64,7 @@ impl Frame {
             motion: Image::new(size, |_| {
                 let mut along = |n: u32| {
                     let steps = (random.bits() % 1024) as f64 - 512.0;
-                    let still = random.bits() % 3 == 0;
+                    let still = random.bits().is_multiple_of(3);
                     f64::from(
                         (if still {
                             0.0
@@ -211,9 +211,9 @@ impl Frame {
             if !self.guides.is_surface(q) {
                 return Some(State {
                     value: if finite {
-                        [x[0], x[1], x[2], 1.0]
+                        [x[0], x[1], x[2], 0.0]
                     } else {
-                        [0.0, 0.0, 0.0, 1.0]
+                        [0.0; 4]
                     },
                     moments: [0.0; 2],
                     age: 0.0,
@@ -263,7 +263,12 @@ impl Frame {
             let (r, rm) = (rate(BLEND), rate(MOMENTS_BLEND));
             let value = [0, 1, 2].map(|i| mix(r, x[i], past.value[i]));
             Some(State {
-                value: [value[0], value[1], value[2], 1.0],
+                value: [
+                    value[0],
+                    value[1],
+                    value[2],
+                    f64::from(u8::from(past.age + n > 0.0)),
+                ],
                 moments: [0, 1].map(|i| mix(rm, m[i], past.moments[i])),
                 age: past.age + n,
             })
