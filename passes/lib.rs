@@ -24,6 +24,8 @@ pub mod atrous;
 pub mod bilateral;
 #[path = "shared/edges.rs"]
 pub mod edges;
+#[path = "hole-fill/mod.rs"]
+pub mod hole_fill;
 pub mod jbu;
 #[path = "outlier-reject/mod.rs"]
 pub mod outlier_reject;
@@ -63,6 +65,7 @@ pub fn registry() -> Registry {
     registry.add::<accumulate::Accumulate>();
     registry.add::<atrous::Atrous>();
     registry.add::<bilateral::Bilateral>();
+    registry.add::<hole_fill::HoleFill>();
     registry.add::<jbu::Jbu>();
     registry.add::<outlier_reject::OutlierReject>();
     registry.add::<progressive::Progressive>();

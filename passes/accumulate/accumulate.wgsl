@@ -42,7 +42,8 @@ struct State {
 }
 
 fn store(q: vec2i, s: State) {
-    textureStore(out_value, q, vec4f(s.value, 1.0));
+    // Alpha tells filters where there is a value.
+    textureStore(out_value, q, vec4f(s.value, f32(s.age > 0.0)));
     textureStore(next_moments, q, vec4f(s.moments, 0.0, 0.0));
     textureStore(next_age, q, vec4f(s.age, 0.0, 0.0, 0.0));
     textureStore(next_weights, q, vec4u(pack2x16float(s.squares), 0u, 0u, 0u));

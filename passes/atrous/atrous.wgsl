@@ -64,9 +64,9 @@ fn variance_at(p: vec2i) -> f32 {
     return select(0.0, max(v, 0.0), params.has_level_variance != 0u && is_finite(v));
 }
 
-// A texel that carries a value: on a surface, finite, with a sample.
+// A texel that carries a value: on a surface, finite, and with a sample or filled by a level before, as its alpha says.
 fn carries(p: vec2i, c: vec4f) -> bool {
-    return is_guide(textureLoad(view_z, p, 0).x) && is_finite4(c) && age_at(p) > 0.0;
+    return is_guide(textureLoad(view_z, p, 0).x) && is_finite4(c) && c.a > 0.0;
 }
 
 // g3x3 of Schied et al. 2017, equation 5.
@@ -153,7 +153,7 @@ fn filtered(p: vec2i, size: vec2i) -> Filtered {
     if weight < 1e-12 {
         return Filtered(vec4f(0.0), 0.0);
     }
-    return Filtered(sum / weight, variance / (weight * weight));
+    return Filtered(vec4f(sum.rgb / weight, 1.0), variance / (weight * weight));
 }
 
 @compute @workgroup_size(8, 8)

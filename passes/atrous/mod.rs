@@ -120,7 +120,7 @@ impl Pass for Atrous {
     fn inputs() -> Vec<Port> {
         let port = |name, signal| Port::new(name, signal).any_resolution();
         vec![
-            Port::any("value").about("what is filtered"),
+            Port::any("value").about("what is filtered; a texel of alpha 0 has no value"),
             port("view_z", signal::VIEW_Z).about("guide, and where there is a surface"),
             port("normal", signal::NORMAL).about("guide"),
             port("variance", signal::VARIANCE)
@@ -131,7 +131,7 @@ impl Pass for Atrous {
                 .about("guide"),
             port("age", signal::AGE)
                 .optional()
-                .about("samples in the value; 0 is a texel without one"),
+                .about("samples in the value; 1 without it"),
         ]
     }
 

@@ -52,7 +52,15 @@ struct Case {
 impl Case {
     fn random(random: &mut Random, size: [u32; 2]) -> Case {
         Case {
-            value: random.light_with_a_bad_texel(size),
+            value: {
+                let mut value = random.light_with_a_bad_texel(size);
+                // One in four has no sample.
+                value
+                    .texels
+                    .iter_mut()
+                    .for_each(|c| c[3] = f64::from(u8::from(!random.bits().is_multiple_of(4))));
+                value
+            },
             variance: Image::new(size, |_| {
                 [f64::from(random.range(0.0, 4.0) as f32), 0.0, 0.0, 1.0]
             }),
@@ -63,7 +71,7 @@ impl Case {
     }
 
     fn carries(&self, value: &Image, q: [u32; 2]) -> bool {
-        self.guides.is_surface(q) && is_finite(value.at(q)) && self.age.x(q) > 0.0
+        self.guides.is_surface(q) && is_finite(value.at(q)) && value.at(q)[3] > 0.0
     }
 
     /// Value and variance of one texel after a level.
@@ -142,7 +150,10 @@ impl Case {
         if weight < 1e-12 {
             return ([0.0; 4], 0.0);
         }
-        (sum.map(|s| s / weight), v_sum / (weight * weight))
+        (
+            [sum[0] / weight, sum[1] / weight, sum[2] / weight, 1.0],
+            v_sum / (weight * weight),
+        )
     }
 
     /// Value, first and variance after all levels.
@@ -264,7 +275,9 @@ fn without_edges_it_is_the_plain_wavelet() {
     let size = [160, 160];
     let constant = |v: f64| Image::new(size, |_| [v, 0.0, 0.0, 1.0]);
     let centre = [80, 80];
-    let impulse = Image::new(size, |p| [if p == centre { 1.0 } else { 0.0 }; 4]);
+    let impulse = Image::new(size, |p| {
+        [0, 1, 2, 3].map(|c| if p == centre || c == 3 { 1.0 } else { 0.0 })
+    });
     let got = Run::new("atrous", "luminance: Off", size)
         .input("value", Input::any(signal::POSITION, &impulse))
         .input("view_z", Input::any(signal::VIEW_Z, &constant(2.0)))
@@ -295,7 +308,9 @@ fn its_variance_is_that_of_what_it_gives() {
     let size = [64, 64];
     let constant = |v: f64| Image::new(size, |_| [v, 0.0, 0.0, 1.0]);
     let mut random = Random(7);
-    let noise = Image::new(size, |_| [f64::from(random.range(0.0, 1.0) as f32); 4]);
+    let noise = Image::new(size, |_| {
+        [f64::from(random.range(0.0, 1.0) as f32), 0.0, 0.0, 1.0]
+    });
     let got = Run::new("atrous", "luminance: Off, levels: 1", size)
         .input("value", Input::any(signal::POSITION, &noise))
         .input(

@@ -5,6 +5,7 @@ mod atrous;
 mod bilateral;
 mod common;
 mod conformance;
+mod hole_fill;
 mod jbu;
 mod outlier_reject;
 mod progressive;

@@ -66,8 +66,8 @@ pub enum Rule {
     Holes,
     /// A texel that is NaN or infinite makes no other texel so.
     BadTexel,
-    /// A constant image stays: for outputs that a bypass says to be a filtered input, and that tell of light or surfaces and
-    /// not of samples.
+    /// A constant image stays: for outputs that a bypass says to be a filtered input, and that tell of light and
+    /// not of samples or surfaces.
     Constant,
     /// A bypassed pass gives what its bypass declares.
     Bypass,
