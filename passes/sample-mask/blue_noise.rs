@@ -83,13 +83,19 @@ mod tests {
                 .enumerate()
                 .all(|(i, &rank)| i == rank as usize)
         );
-        // The first quarter: no two side by side, as random places would be some 60 times.
-        let first =
-            |x: u32, y: u32| ranks[(y % SIDE * SIDE + x % SIDE) as usize] < COUNT as u32 / 4;
-        let touching = (0..COUNT as u32)
-            .map(|i| (i % SIDE, i / SIDE))
-            .filter(|&(x, y)| first(x, y) && (first(x + 1, y) || first(x, y + 1)))
-            .count();
-        assert!(touching <= 4, "{touching}");
+        let touching = |part: u32| {
+            let first =
+                |x: u32, y: u32| ranks[(y % SIDE * SIDE + x % SIDE) as usize] < COUNT as u32 / part;
+            let sides =
+                |(x, y): (u32, u32)| u32::from(first(x + 1, y)) + u32::from(first(x, y + 1));
+            (0..COUNT as u32)
+                .map(|i| (i % SIDE, i / SIDE))
+                .filter(|&(x, y)| first(x, y))
+                .map(sides)
+                .sum::<u32>()
+        };
+        // Of n random places 2 n^2 / 256 pairs would stand side by side: 8 of the first eighth, 32 of the first quarter.
+        assert_eq!(touching(8), 0);
+        assert!(touching(4) <= 32 / 3, "{}", touching(4));
     }
 }
