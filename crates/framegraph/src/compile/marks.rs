@@ -26,9 +26,9 @@ pub(crate) struct CaptureMark {
 }
 
 impl Marks {
-    /// How many of `count` dispatches from a position on can be recorded before something has to be
-    /// done between two; at least one.
-    pub fn together(&self, at: u32, count: u32) -> u32 {
+    /// How many nodes from a position on can be recorded before something has to be done between two; at
+    /// least one.
+    pub fn together(&self, at: u32) -> u32 {
         let clobber = self.clobber[self.clobber.partition_point(|c| c.0 <= at)..].first();
         let capture = self.capture[self.capture.partition_point(|c| c.after <= at)..].first();
         let next = clobber
@@ -36,7 +36,7 @@ impl Marks {
             .into_iter()
             .chain(capture.map(|c| c.after))
             .min();
-        next.map_or(count, |next| (next - at).min(count))
+        next.map_or(u32::MAX, |next| next - at)
     }
 
     /// What to clobber before the node at a position.

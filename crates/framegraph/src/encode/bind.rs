@@ -1,87 +1,38 @@
-//! Bind groups: kept with the plan while what they bind stays the same, else found again by what they
-//! bind.
+//! Bind groups, found again by what they bind.
 
-use crate::compile::Schedule;
-use crate::graph::{Bind, Bound, Node};
+use crate::graph::{Bind, Bound, FrameGraph, Node};
 use crate::handle::Subresources;
 use crate::kernel::Interface;
 use crate::plan::Plan;
 use crate::pool::{Physical, Pool};
 use crate::reflect::BindingKind;
 
-/// The bind groups of a schedule as it was encoded last.
-#[derive(Default)]
-pub(crate) struct BoundGroups {
-    /// Whose they are.
-    pub serial: u64,
-    /// The encode of its pool that used them last.
-    pub used: u64,
-    /// For each node.
-    groups: Vec<Option<wgpu::BindGroup>>,
-    /// For each bind, the number of what its node's group binds.
-    seen: Vec<u32>,
-}
-
-impl BoundGroups {
-    /// None yet.
-    pub fn new(schedule: &Schedule) -> Self {
-        BoundGroups {
-            serial: schedule.serial,
-            ..BoundGroups::default()
+/// The number of what a bind binds; 0 for samplers, which never change.
+pub(super) fn number(
+    graph: &FrameGraph<'_>,
+    physical: &[Physical],
+    upload: u32,
+    bind: &Bind,
+) -> u32 {
+    match bind.what {
+        Bound::Access(access) => {
+            let resource = graph.accesses[access as usize].resource;
+            physical[resource as usize].id()
         }
+        Bound::Uniform { .. } => upload,
+        Bound::Sampler(_) | Bound::Mistake => 0,
     }
 }
 
 impl Plan<'_> {
-    /// The bind group of a node's group 0.
-    pub(super) fn bind_group<'b>(
-        &self,
-        pool: &mut Pool,
-        physical: &[Physical],
-        (node, face): (usize, &Interface),
-        bound: &'b mut BoundGroups,
-    ) -> Option<&'b wgpu::BindGroup> {
-        let layout = face.layout.as_ref()?;
-        let range =
-            self.graph.nodes[node].binds.start as usize..self.graph.nodes[node].binds.end as usize;
-        let binds = &self.graph.binds[range.clone()];
-        let upload = pool.upload.buffer().map_or(0, |(_, id)| *id);
-        let number = |bind: &Bind| match bind.what {
-            Bound::Access(access) => {
-                let a = &self.graph.accesses[access as usize];
-                physical[a.resource as usize].id()
-            }
-            Bound::Uniform { .. } => upload,
-            Bound::Sampler(_) | Bound::Mistake => 0,
-        };
-        if bound.groups.len() < self.graph.nodes.len() {
-            bound.groups.resize(self.graph.nodes.len(), None);
-            bound.seen.resize(self.graph.binds.len(), 0);
-        }
-        let seen = &mut bound.seen[range];
-        let same = binds
-            .iter()
-            .zip(&*seen)
-            .all(|(bind, &id)| number(bind) == id);
-        if !same || bound.groups[node].is_none() {
-            for (bind, id) in binds.iter().zip(seen) {
-                *id = number(bind);
-            }
-            let group = self.find_group(pool, physical, (node, face), layout);
-            bound.groups[node] = Some(group);
-        }
-        bound.groups[node].as_ref()
-    }
-
     /// The group that binds the same, or a new one.
-    fn find_group(
+    pub(super) fn find_group(
         &self,
         pool: &mut Pool,
         physical: &[Physical],
-        (node, face): (usize, &Interface),
-        layout: &wgpu::BindGroupLayout,
+        node: &Node,
+        (face, layout): (&Interface, &wgpu::BindGroupLayout),
     ) -> wgpu::BindGroup {
-        let node = &self.graph.nodes[node];
         let binds = &self.graph.binds[node.binds.start as usize..node.binds.end as usize];
         let mut key = std::mem::take(&mut pool.cache.key);
         key.clear();
@@ -102,8 +53,7 @@ impl Plan<'_> {
                     key.extend([id.into(), what]);
                 }
                 Bound::Uniform { offset, size } => {
-                    let id = pool.upload.buffer().map_or(0, |(_, id)| *id);
-                    key.extend([u64::from(id), offset << 24 | size]);
+                    key.extend([pool.upload.number().into(), offset << 24 | size]);
                 }
                 Bound::Sampler(sampler) => {
                     let desc = &self.graph.samplers[sampler as usize];

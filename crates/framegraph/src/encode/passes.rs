@@ -1,6 +1,6 @@
 //! Compute passes, render passes, clears.
 
-use super::BoundGroups;
+use super::Realized;
 use crate::desc::Load;
 use crate::graph::{Dispatch, Target, Work};
 use crate::handle::Subresources;
@@ -17,9 +17,8 @@ impl Plan<'_> {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         pool: &mut Pool,
-        physical: &[Physical],
+        real: &Realized,
         steps: &[Step],
-        bound: &mut BoundGroups,
     ) {
         let on = |s: &&Step| s.kind == StepKind::Dispatch && !self.graph.is_off(s.node);
         let Some(first) = steps.iter().find(on) else {
@@ -58,7 +57,6 @@ impl Plan<'_> {
             let Kernel::Compute(kernel) = &self.graph.kernels[index as usize] else {
                 continue;
             };
-            let face = &kernel.0.interface;
             let queries = if timed && inside {
                 pool.timer.node(&node.label)
             } else {
@@ -75,8 +73,7 @@ impl Plan<'_> {
                 pass.set_pipeline(&kernel.0.pipeline);
                 last = index;
             }
-            let at = (step.node as usize, face);
-            if let Some(group) = self.bind_group(pool, physical, at, bound) {
+            if let Some(group) = real.group(step.node as usize) {
                 pass.set_bind_group(0, group, &[]);
             }
             for (index, group) in
@@ -88,7 +85,7 @@ impl Plan<'_> {
                 Dispatch::Workgroups([x, y, z]) => pass.dispatch_workgroups(x, y, z),
                 Dispatch::Indirect { access, offset } => {
                     let resource = self.graph.accesses[access as usize].resource;
-                    if let Some(buffer) = physical[resource as usize].buffer() {
+                    if let Some(buffer) = real.physical[resource as usize].buffer() {
                         pass.dispatch_workgroups_indirect(buffer, offset);
                     }
                 }
@@ -108,9 +105,8 @@ impl Plan<'_> {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         pool: &mut Pool,
-        physical: &[Physical],
+        real: &Realized,
         at: usize,
-        bound: &mut BoundGroups,
     ) {
         let Work::Raster {
             kernel,
@@ -129,12 +125,11 @@ impl Plan<'_> {
         let node = &self.graph.nodes[at];
         let timed = self.graph.debug.timestamps
             && pool.caps.features.contains(wgpu::Features::TIMESTAMP_QUERY);
-        let group = self.bind_group(pool, physical, (at, &kernel.0.interface), bound);
         let own = &self.graph.attachments[first as usize..(first + count) as usize];
         let mut views: [Option<wgpu::TextureView>; MOST_COLORS + 1] = Default::default();
         for (view, attachment) in views.iter_mut().zip(own) {
             let a = self.graph.accesses[attachment.access as usize];
-            *view = self::attachment(pool, &physical[a.resource as usize], a.range);
+            *view = self::attachment(pool, &real.physical[a.resource as usize], a.range);
         }
         let mut colors = [const { None }; MOST_COLORS];
         let mut depth = None;
@@ -178,7 +173,7 @@ impl Plan<'_> {
             ..Default::default()
         });
         pass.set_pipeline(&kernel.0.pipeline);
-        if let Some(group) = group {
+        if let Some(group) = real.group(at) {
             pass.set_bind_group(0, group, &[]);
         }
         for (index, group) in

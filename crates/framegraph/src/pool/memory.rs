@@ -25,7 +25,7 @@ pub struct Memory {
 /// One texture or buffer of a pool.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ResourceMemory {
-    /// Of the resource that was put there first in the last plan that used it, or of the history.
+    /// Of the resource that comes there first in the plan that was given it last, or of the history.
     pub name: Label,
     /// Size and format.
     pub shape: String,

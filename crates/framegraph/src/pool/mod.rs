@@ -26,7 +26,7 @@ pub(crate) use upload::Upload;
 use crate::compile::{PlanCounts, Schedule};
 use crate::debug::Debug;
 use crate::desc::FrameParams;
-use crate::encode::BoundGroups;
+use crate::encode::Realized;
 use crate::graph::{Caps, FrameGraph, HistoryStates, Shared};
 use crate::handle::Label;
 use crate::{HistoryInfo, Reset};
@@ -55,11 +55,8 @@ pub struct Pool {
     pub(crate) timer: Timer,
     pub(crate) patterns: Patterns,
     pub(crate) captures: Captures,
-    /// Bind groups of the plans encoded last, the last first.
-    pub(crate) bound: Vec<BoundGroups>,
-    /// The lists that encoding puts the memory of resources and of slots in; empty in between.
-    pub(crate) physical: Vec<Physical>,
-    pub(crate) slots: Vec<Physical>,
+    /// What the schedules encoded last became, the last first.
+    pub(crate) realized: Vec<Realized>,
     /// What graphs hold that are done with histories.
     pub(crate) no_states: Arc<HistoryStates>,
     pub(crate) exports: Vec<(Label, Physical)>,
@@ -91,9 +88,7 @@ impl Pool {
             timer: Timer::default(),
             patterns: Patterns::default(),
             captures: Captures::default(),
-            bound: Vec::new(),
-            physical: Vec::new(),
-            slots: Vec::new(),
+            realized: Vec::new(),
             no_states: Arc::default(),
             exports: Vec::new(),
             frames: 0,
@@ -195,15 +190,15 @@ impl Pool {
         self.captures.read(&self.device)
     }
 
-    /// The bind groups of a schedule, to be put back in front.
-    pub(crate) fn take_bound(&mut self, schedule: &Schedule) -> BoundGroups {
-        let at = self.bound.iter().position(|b| b.serial == schedule.serial);
-        let mut bound = match at {
-            Some(at) => self.bound.remove(at),
-            None => BoundGroups::new(schedule),
+    /// What a schedule became, to be put back in front.
+    pub(crate) fn take_realized(&mut self, schedule: &Schedule) -> Realized {
+        let at = (self.realized.iter()).position(|r| r.serial == schedule.serial);
+        let mut real = match at {
+            Some(at) => self.realized.remove(at),
+            None => Realized::new(schedule),
         };
-        bound.used = self.frames;
-        bound
+        real.used = self.frames;
+        real
     }
 
     /// Starts the next encode: hands all transient memory back, and now and then lets go of what
@@ -214,11 +209,12 @@ impl Pool {
         self.store.begin();
         self.frames += 1;
         if self.frames.is_multiple_of(KEEP) {
-            self.store.sweep(KEEP);
-            self.cache.sweep();
-            // They keep alive what they bind.
+            // They keep alive what they hold.
             let frames = self.frames;
-            self.bound.retain(|b| b.used + KEEP >= frames);
+            self.realized.retain(|r| r.used + KEEP >= frames);
+            let used = self.realized.iter().flat_map(|r| &r.slots);
+            self.store.sweep(used.copied());
+            self.cache.sweep();
         }
     }
 }

@@ -155,8 +155,6 @@ pub(crate) fn bytes(shape: &Shape) -> u64 {
 struct Item {
     physical: Physical,
     label: Label,
-    /// The last encode that used it.
-    used: u64,
 }
 
 impl Item {
@@ -182,6 +180,11 @@ pub(crate) struct Store {
     classes: HashMap<(Class, [bool; 2]), Items, Hasher>,
     /// Counts encodes.
     now: u64,
+    /// Counts what is made and let go.
+    changes: u64,
+    /// The memory of slots while it is handed out, and numbers of what is in use.
+    slots: Vec<Physical>,
+    used: Vec<u32>,
 }
 
 impl Store {
@@ -190,14 +193,19 @@ impl Store {
         self.now += 1;
     }
 
-    /// Puts the memory of each slot of a plan into an empty list.
+    /// A number that is the same while the slots of each plan get the same memory.
+    pub fn serial(&self) -> u64 {
+        self.changes + 1
+    }
+
+    /// The memory of each slot of a plan.
     pub fn slots(
         &mut self,
         device: &wgpu::Device,
         graph: &FrameGraph<'_>,
         slots: &Slots,
-        memory: &mut Vec<Physical>,
-    ) {
+    ) -> &[Physical] {
+        let mut memory = std::mem::take(&mut self.slots);
         memory.clear();
         memory.resize(slots.slots.len(), Physical::None);
         for &i in &slots.by_size {
@@ -206,6 +214,8 @@ impl Store {
             let need = &slots.classes[slot.class as usize];
             memory[i as usize] = self.take(device, label, need, slot.bytes);
         }
+        self.slots = memory;
+        &self.slots
     }
 
     /// One that nobody else has in this encode. Its contents are whatever was there.
@@ -227,7 +237,6 @@ impl Store {
                 _ => true,
             };
             if enough && item.physical.usage() & need.usage == need.usage {
-                item.used = self.now;
                 item.label.clone_from(label);
                 return item.physical.clone();
             }
@@ -244,19 +253,33 @@ impl Store {
         let item = Item {
             physical: physical.clone(),
             label: label.clone(),
-            used: self.now,
         };
         let place = list.partition_point(|other| other.rank() >= item.rank());
         list.insert(place, item);
         next.1 += 1;
+        self.changes += 1;
         physical
     }
 
-    /// Lets go of what none of the last `keep` encodes used.
-    pub fn sweep(&mut self, keep: u64) {
-        let now = self.now;
-        self.classes.retain(|_, items| {
-            items.list.retain(|item| item.used + keep >= now);
+    /// Lets go of all but what has one of these numbers.
+    pub fn sweep(&mut self, used: impl Iterator<Item = u32>) {
+        let Store {
+            classes,
+            changes,
+            used: numbers,
+            slots,
+            ..
+        } = self;
+        slots.clear();
+        numbers.clear();
+        numbers.extend(used);
+        numbers.sort_unstable();
+        classes.retain(|_, items| {
+            items.list.retain(|item| {
+                let used = numbers.binary_search(&item.physical.id()).is_ok();
+                *changes += u64::from(!used);
+                used
+            });
             !items.list.is_empty()
         });
     }

@@ -72,6 +72,11 @@ impl Upload {
         self.made.as_ref()
     }
 
+    /// The buffer's number; 0 while there is none.
+    pub fn number(&self) -> u32 {
+        self.made.as_ref().map_or(0, |(_, id)| *id)
+    }
+
     pub fn bytes(&self) -> u64 {
         self.made.as_ref().map_or(0, |(buffer, _)| buffer.size())
     }

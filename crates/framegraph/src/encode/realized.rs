@@ -1,0 +1,140 @@
+//! What a schedule became in its pool: the memory of each resource and the bind group of each node, kept
+//! while nothing that decides them changes.
+
+use super::bind::number;
+use crate::compile::Schedule;
+use crate::graph::{Import, Kind, Work};
+use crate::kernel::Kernel;
+use crate::plan::Plan;
+use crate::pool::{Physical, Pool};
+
+#[derive(Default)]
+pub(crate) struct Realized {
+    /// Whose it is.
+    pub serial: u64,
+    /// The encode of its pool that used it last.
+    pub used: u64,
+    /// Which memory the store had when the slots got theirs.
+    store: u64,
+    /// The numbers of the slots' memory.
+    pub slots: Vec<u32>,
+    /// For each resource.
+    pub physical: Vec<Physical>,
+    /// Resources whose memory comes from outside of the plan: imports and histories.
+    outer: Vec<u32>,
+    /// The number of the buffer with uniform data.
+    upload: u32,
+    /// For each node its group 0.
+    groups: Vec<Option<wgpu::BindGroup>>,
+    /// For each bind, the number of what its node's group binds.
+    seen: Vec<u32>,
+}
+
+impl Realized {
+    /// Nothing yet.
+    pub fn new(schedule: &Schedule) -> Self {
+        Realized {
+            serial: schedule.serial,
+            ..Realized::default()
+        }
+    }
+
+    /// The bind group of a node's group 0.
+    pub fn group(&self, node: usize) -> Option<&wgpu::BindGroup> {
+        self.groups.get(node)?.as_ref()
+    }
+
+    /// Finds memory and bind groups for a frame. Of a frame like the last, only what comes from outside is
+    /// looked at.
+    pub fn update(&mut self, plan: &Plan<'_>, encoder: &mut wgpu::CommandEncoder, pool: &mut Pool) {
+        for (h, need) in plan.graph.histories.iter().zip(&plan.schedule.rings) {
+            pool.rings.prepare(&pool.device, encoder, h, need.usage);
+        }
+        let mut same = self.store == pool.store.serial();
+        if !same {
+            self.place(plan, pool);
+        }
+        for &resource in &self.outer {
+            let resource = resource as usize;
+            let now = outer(plan, pool, plan.graph.resources[resource].kind);
+            same &= now.id() == self.physical[resource].id();
+            self.physical[resource] = now;
+        }
+        let upload = pool.upload.number();
+        same &= upload == std::mem::replace(&mut self.upload, upload);
+        if !same {
+            self.bind(plan, pool);
+        }
+    }
+
+    /// Gives every transient that anything uses its memory.
+    fn place(&mut self, plan: &Plan<'_>, pool: &mut Pool) {
+        let (graph, schedule) = (&plan.graph, &plan.schedule);
+        let slots = pool.store.slots(&pool.device, graph, &schedule.slots);
+        self.slots.clear();
+        self.slots.extend(slots.iter().map(Physical::id));
+        self.physical.clear();
+        self.outer.clear();
+        for (i, r) in graph.resources.iter().enumerate() {
+            let used = schedule.usage[i].is_some();
+            let physical = match r.kind {
+                Kind::Transient if used => slots
+                    .get(schedule.slots.of[i] as usize)
+                    .map_or(Physical::None, |memory| memory.seen_as(&r.shape)),
+                _ => Physical::None,
+            };
+            if used && r.kind != Kind::Transient {
+                self.outer.push(i as u32);
+            }
+            self.physical.push(physical);
+        }
+        self.store = pool.store.serial();
+    }
+
+    /// Finds the bind groups of nodes that bind something else than before.
+    fn bind(&mut self, plan: &Plan<'_>, pool: &mut Pool) {
+        let graph = &plan.graph;
+        self.groups.resize(graph.nodes.len(), None);
+        self.seen.resize(graph.binds.len(), 0);
+        for &n in &plan.schedule.order {
+            let node = &graph.nodes[n as usize];
+            let (Work::Compute { kernel, .. } | Work::Raster { kernel, .. }) = node.work else {
+                continue;
+            };
+            let kernel: &Kernel = &graph.kernels[kernel as usize];
+            let face = kernel.interface();
+            let Some(layout) = &face.layout else { continue };
+            let mut same = self.groups[n as usize].is_some();
+            for i in node.binds.start as usize..node.binds.end as usize {
+                let now = number(graph, &self.physical, self.upload, &graph.binds[i]);
+                same &= now == std::mem::replace(&mut self.seen[i], now);
+            }
+            if !same {
+                let group = plan.find_group(pool, &self.physical, node, (face, layout));
+                self.groups[n as usize] = Some(group);
+            }
+        }
+    }
+}
+
+/// The memory of an import or a history in this frame.
+fn outer(plan: &Plan<'_>, pool: &mut Pool, kind: Kind) -> Physical {
+    let graph = &plan.graph;
+    match kind {
+        Kind::Transient => Physical::None,
+        Kind::Imported(i) => match &graph.imports[i as usize] {
+            Import::Texture(texture) => {
+                let id = pool.cache.texture_id(texture);
+                Physical::Texture(texture.clone(), id, texture.format())
+            }
+            Import::Buffer(buffer) => {
+                let id = pool.cache.buffer_id(buffer);
+                Physical::Buffer(buffer.clone(), id, buffer.size())
+            }
+        },
+        Kind::Current(h) => pool.rings.slot(&graph.histories[h as usize], 0),
+        Kind::Previous { history, age, .. } => {
+            pool.rings.slot(&graph.histories[history as usize], age)
+        }
+    }
+}
