@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use framegraph::*;
 
-use crate::frame::{Frame, Job, Node, Resource, Role, Shape, Use};
+use crate::frame::{Frame, Job, Node, Resource, Role, Shape, StandIn, Use};
 use crate::kernels::{In, Kernels, LOOKERS, Out, WRITERS};
 use crate::model::uploaded;
 use crate::program::Rule;
@@ -142,6 +142,35 @@ fn view(frame: &Frame, texture: Texture, u: &Use) -> View {
         .layers(r.layer..r.layer + r.layers)
 }
 
+/// Switches a node, and names what stands in; each builder has the same methods.
+macro_rules! switch {
+    ($builder:expr, $node:expr, $handles:expr, $made:expr) => {
+        if let Some(on) = $node.switch {
+            $builder.enabled_if(on);
+        }
+        for &(of, what) in &$node.stand_ins {
+            // Not the latest of the resource, which another output of the node may have made.
+            let made: &[(usize, Handle)] = $made;
+            let output = made.iter().find(|m| m.0 == of).map(|m| m.1);
+            match (what, output.expect("what stands in is for an output")) {
+                (StandIn::Clear(value), Handle::Texture(t)) => {
+                    $builder.or_clear(t, [value.into(); 4]);
+                }
+                (StandIn::Fill(word), Handle::Buffer(b)) => {
+                    $builder.or_fill(b, word);
+                }
+                (StandIn::Use(from), Handle::Texture(t)) => {
+                    $builder.or_use(t, $handles[&from].texture());
+                }
+                (StandIn::Use(from), Handle::Buffer(b)) => {
+                    $builder.or_use_buffer(b, $handles[&from].buffer());
+                }
+                (what, _) => panic!("{what:?} is for the other kind"),
+            }
+        }
+    };
+}
+
 fn record<'f>(
     fg: &mut FrameGraph<'f>,
     frame: &Frame,
@@ -169,7 +198,7 @@ fn record<'f>(
             let bytes: [u8; 16] = params(0);
             n.uniform("params", &bytes);
             bind_inputs(&mut n, frame, node, s.inputs, handles);
-            let mut most = [0, 0];
+            let (mut most, mut made) = ([0, 0], Vec::new());
             for (o, output) in s.outputs.iter().enumerate() {
                 let (i, binding) = (s.inputs.len() + o, format!("out{o}"));
                 let u = &node.uses[i];
@@ -184,9 +213,11 @@ fn record<'f>(
                     _ => Handle::Texture(n.modify(&binding, at(handles, i))),
                 };
                 next(handles, i, handle);
+                made.push((i, handle));
                 let [w, h] = frame.resources[u.resource].shape.mip_size(u.range.mip);
                 most = [most[0].max(w), most[1].max(h)];
             }
+            switch!(n, node, handles, &made);
             n.dispatch_texels(most);
         }
         Job::Looker(row, place) => {
@@ -196,6 +227,7 @@ fn record<'f>(
                 .bind_group(1, outside.observed)
                 .side_effect("looks");
             bind_inputs(&mut n, frame, node, LOOKERS[row].inputs, handles);
+            switch!(n, node, handles, &[]);
             n.dispatch([1, 1, 1]);
         }
         Job::Arguments => {
@@ -211,6 +243,7 @@ fn record<'f>(
             let bytes: [u8; 16] = params(0);
             n.uniform("params", &bytes);
             let b = n.modify_buffer("out0", buffer(handles, 0));
+            switch!(n, node, handles, &[]);
             n.dispatch_indirect(buffer(handles, 1), 0);
             next(handles, 0, Handle::Buffer(b));
         }
@@ -225,9 +258,10 @@ fn record<'f>(
                 }),
                 None => Load::Load,
             };
-            let t = n.color(0, at(handles, 1), load);
+            let t = Handle::Texture(n.color(0, at(handles, 1), load));
+            next(handles, 1, t);
+            switch!(n, node, handles, &[(1, t)]);
             n.draw(|pass| pass.draw(0..3, 0..1));
-            next(handles, 1, Handle::Texture(t));
         }
         Job::Clear(value) => {
             let t = fg.clear_texture(name, texture(handles, 0), [value.into(); 4]);
@@ -253,15 +287,14 @@ fn record<'f>(
             next(handles, 0, Handle::Buffer(b));
         }
         Job::ForeignTexture { whole } => {
-            let pair = (texture(handles, 0), texture(handles, 1));
-            let t = foreign_texture(fg, frame, node, pair, whole);
-            next(handles, 1, Handle::Texture(t));
+            foreign_texture(fg, frame, node, handles, whole);
         }
         Job::ForeignBuffer => {
             let (from, to) = (buffer(handles, 0), buffer(handles, 1));
             let mut n = fg.foreign(name);
             n.read_buffer(from, wgpu::BufferUsages::COPY_SRC);
             let b = n.modify_buffer(to, wgpu::BufferUsages::COPY_DST);
+            switch!(n, node, handles, &[]);
             n.record(move |encoder, resources| {
                 if let (Some(from), Some(to)) = (resources.buffer(from), resources.buffer(b)) {
                     encoder.copy_buffer_to_buffer(from, 0, to, 0, 4);
@@ -292,10 +325,11 @@ fn foreign_texture(
     fg: &mut FrameGraph<'_>,
     frame: &Frame,
     node: &Node,
-    (from, to): (Texture, Texture),
+    handles: &mut HashMap<usize, Handle>,
     whole: bool,
-) -> Texture {
+) {
     let (source, target) = (&node.uses[0], &node.uses[1]);
+    let [from, to] = [source, target].map(|u| handles[&u.resource].texture());
     let (a, b) = (source.range, target.range);
     let [width, height] = match whole {
         true => frame.resources[target.resource].shape.mip_size(b.mip),
@@ -308,6 +342,9 @@ fn foreign_texture(
         true => n.overwrite(to, usage),
         false => n.modify(to, usage),
     };
+    let output = Handle::Texture(made);
+    handles.insert(target.resource, output);
+    switch!(n, node, handles, &[(1, output)]);
     n.record(move |encoder, resources| {
         let at = |texture, r: Subresources| wgpu::TexelCopyTextureInfo {
             texture,
@@ -328,5 +365,4 @@ fn foreign_texture(
             encoder.copy_texture_to_texture(at(from, a), at(to, b), size);
         }
     });
-    made
 }

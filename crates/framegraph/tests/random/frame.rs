@@ -127,8 +127,27 @@ pub struct Node {
     pub job: Job,
     pub seed: u32,
     pub uses: Vec<Use>,
-    /// Declared by the graph for a history's missing frame.
+    /// Declared by the graph: for a history's missing frame, or to stand in for a node that is off.
     pub implicit: bool,
+    /// Whether it is on in this frame; `None` where it always is.
+    pub switch: Option<bool>,
+    /// What stands in while it is off: for each output that has something, which use it is.
+    pub stand_ins: Vec<(usize, StandIn)>,
+}
+
+impl Node {
+    pub fn is_off(&self) -> bool {
+        self.switch == Some(false)
+    }
+}
+
+/// What an output holds while its node is off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StandIn {
+    Clear(u32),
+    Fill(u32),
+    /// What another resource holds.
+    Use(usize),
 }
 
 #[derive(Clone, Debug)]

@@ -160,6 +160,11 @@ pub fn uploaded(seed: u32, words: u32) -> Vec<u32> {
 }
 
 fn run(frame: &Frame, node: &Node, contents: &mut Contents, observed: &mut Vec<u32>) {
+    if node.is_off() {
+        // Its place stays as the buffer was made.
+        observed.extend(matches!(node.job, Job::Looker(..)).then_some(0));
+        return;
+    }
     let seed = node.seed;
     // The only, or the first and second, (mip, layer) touched.
     let at = |i: usize| {
@@ -203,12 +208,15 @@ fn run(frame: &Frame, node: &Node, contents: &mut Contents, observed: &mut Vec<u
             }
         }
         Job::Clear(value) | Job::Fill(value) => {
-            contents[at(0).0]
-                .iter_mut()
-                .flatten()
-                .for_each(|t| *t = value);
+            for (sub, _) in frame.subresources(&node.uses[0]) {
+                contents[at(0).0][sub].fill(value);
+            }
         }
-        Job::CopyTexture | Job::CopyBuffer => contents[at(1).0] = contents[at(0).0].clone(),
+        Job::CopyTexture | Job::CopyBuffer => {
+            for (sub, _) in frame.subresources(&node.uses[0]) {
+                contents[at(1).0][sub] = contents[at(0).0][sub].clone();
+            }
+        }
         Job::Upload => {
             let words = &mut contents[at(0).0][0];
             *words = uploaded(seed, words.len() as u32);

@@ -51,6 +51,8 @@ pub struct BufferSpec {
 pub struct Op {
     pub what: What,
     pub picks: [u16; 6],
+    /// Which switch of the program it hangs on, and what chooses what stands in while that is off.
+    pub switch: Option<(u8, u16)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,12 +87,14 @@ pub struct Script {
     pub window: usize,
 }
 
-/// One frame: its size, its script, and whether a history is reset before it.
+/// One frame: its size, its script, whether a history is reset before it, and which switches are on.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameSpec {
     pub size: [u32; 2],
     pub script: usize,
     pub reset: Option<usize>,
+    /// Bit i: switch i is on.
+    pub on: u8,
 }
 
 #[derive(Clone, Debug)]
@@ -151,7 +155,12 @@ fn op() -> impl Strategy<Value = Op> {
         1 => Just(What::Upload),
         2 => Just(What::Foreign),
     ];
-    (what, any::<[u16; 6]>()).prop_map(|(what, picks)| Op { what, picks })
+    let switch = prop_oneof![5 => Just(None), 1 => (0..3u8, any::<u16>()).prop_map(Some)];
+    (what, any::<[u16; 6]>(), switch).prop_map(|(what, picks, switch)| Op {
+        what,
+        picks,
+        switch,
+    })
 }
 
 fn script() -> impl Strategy<Value = Script> {
@@ -176,11 +185,13 @@ pub fn program() -> impl Strategy<Value = Program> {
         prop_oneof![3 => Just([4, 4]), 1 => [1..=6u32, 1..=6u32]],
         0..2usize,
         prop_oneof![6 => Just(None), 1 => (0..4usize).prop_map(Some)],
+        0..8u8,
     );
-    let frame = frame.prop_map(|(size, script, reset)| FrameSpec {
+    let frame = frame.prop_map(|(size, script, reset, on)| FrameSpec {
         size,
         script,
         reset,
+        on,
     });
     (
         prop::collection::vec(texture(), 1..12),

@@ -8,7 +8,7 @@
 //! What wgpu settles before a pass (barriers for what the pass finds of earlier ones) or at submission (for what the
 //! frame finds) is in native command buffers that hold nothing else, and is not seen.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::process::Command;
 
@@ -61,6 +61,11 @@ fn predict(frame: &Frame, plan: &Plan<'_>) -> String {
     // Whether a command of this native command buffer went before, and what its pass has touched.
     let mut inside = false;
     let mut touched = HashSet::new();
+    let first = first_tenants(frame, plan);
+    let memory = |place: usize| match first.get(&(place / 16)) {
+        Some(first) => 16 * first + place % 16,
+        None => place,
+    };
     for step in plan.steps() {
         if matches!(step.kind, StepKind::BeginCompute | StepKind::EndCompute) {
             inside = false;
@@ -80,10 +85,10 @@ fn predict(frame: &Frame, plan: &Plan<'_>) -> String {
         };
         match (step.kind, node.job) {
             (StepKind::Dispatch, _) => {
-                let barrier = barriers.iter().any(|p| touched.contains(p));
+                let barrier = barriers.iter().any(|&p| touched.contains(&memory(p)));
                 commands.push((Kind::Dispatch, sign(inside, barrier)));
                 for u in &node.uses {
-                    touched.extend(frame.places(u));
+                    touched.extend(frame.places(u).into_iter().map(memory));
                 }
             }
             (StepKind::Copy, Job::CopyTexture) => {
@@ -111,6 +116,17 @@ fn predict(frame: &Frame, plan: &Plan<'_>) -> String {
         inside = true;
     }
     line(&commands)
+}
+
+/// For each transient the first that has its slot: they are one memory.
+fn first_tenants(frame: &Frame, plan: &Plan<'_>) -> HashMap<usize, usize> {
+    let named = |name: &str| frame.resources.iter().position(|r| r.name == name);
+    let mut first = HashMap::new();
+    for slot in plan.memory().slots {
+        let tenants: Vec<usize> = slot.tenants.iter().filter_map(|t| named(&t.name)).collect();
+        first.extend(tenants.iter().map(|&t| (t, tenants[0])));
+    }
+    first
 }
 
 /// The places for which a step has a barrier.
@@ -147,8 +163,8 @@ fn pairs(frame: &Frame, node: &Node) -> Vec<[usize; 2]> {
     from.into_iter().zip(to).map(|(a, b)| [a, b]).collect()
 }
 
-/// Programs of what shows in the trace: lookers write outside the graph, foreign nodes do what they like, and to
-/// an indirect dispatch wgpu adds one of its own that checks the arguments.
+/// Programs of what shows in the trace: lookers write outside the graph, foreign nodes do what they like, to
+/// an indirect dispatch wgpu adds one of its own that checks the arguments, and a prediction is for all that is on.
 fn programs() -> Vec<Program> {
     let mut runner = TestRunner::new(ProptestConfig {
         rng_seed: RngSeed::Fixed(1),
@@ -160,6 +176,7 @@ fn programs() -> Vec<Program> {
             let mut p = program().new_tree(&mut runner).unwrap().current();
             for script in &mut p.scripts {
                 script.ops.retain(|op| !hidden.contains(&op.what));
+                script.ops.iter_mut().for_each(|op| op.switch = None);
                 script.ops.truncate(60);
             }
             p

@@ -11,10 +11,18 @@ use crate::kernels::{In, LOOKERS, Out, Signature, WRITERS, hash, input_state, ou
 use crate::model::Rings;
 use crate::program::{FrameSpec, Op, Origin, Program, Rule, SizeSpec, What};
 
+mod switch;
+
 struct Resolver {
     frame: Frame,
     /// Of each resource, whether each (mip, layer) has contents.
     defined: Vec<Vec<bool>>,
+    /// And the switch without which it has none.
+    bare: Vec<Vec<Option<u8>>>,
+    /// The switch of the op, and what chooses what stands in.
+    switch: Option<(u8, u16)>,
+    /// Which switches are on.
+    on: u8,
     /// Buffers that hold arguments of an indirect dispatch.
     arguments: Vec<bool>,
     observed: u32,
@@ -24,7 +32,9 @@ struct Resolver {
 
 /// Frame `number` of the program, given what its histories hold; lookers count on from `observed`.
 pub fn resolve(program: &Program, number: usize, rings: &Rings, observed: u32) -> Frame {
-    let FrameSpec { size, script, .. } = program.frames[number];
+    let FrameSpec {
+        size, script, on, ..
+    } = program.frames[number];
     let script = &program.scripts[script % program.scripts.len()];
     let mut r = Resolver {
         frame: Frame {
@@ -38,6 +48,9 @@ pub fn resolve(program: &Program, number: usize, rings: &Rings, observed: u32) -
             exports: Vec::new(),
         },
         defined: Vec::new(),
+        bare: Vec::new(),
+        switch: None,
+        on,
         arguments: Vec::new(),
         observed,
         reach: 0..usize::MAX,
@@ -47,10 +60,12 @@ pub fn resolve(program: &Program, number: usize, rings: &Rings, observed: u32) -
     for (i, op) in script.ops.iter().enumerate() {
         r.slide(script.window, i, script.ops.len());
         r.op(op);
+        r.switch = None;
     }
     r.finish_histories(script.unwritten);
     r.frame.exports = (0..r.frame.resources.len())
-        .filter(|&i| script.exports >> (i % 32) & 1 == 1 && r.defined[i].iter().all(|&d| d))
+        .filter(|&i| script.exports >> (i % 32) & 1 == 1)
+        .filter(|&i| r.is_defined(i, r.frame.resources[i].shape.whole()))
         .collect();
     r.frame
 }
@@ -112,6 +127,7 @@ impl Resolver {
         let defined = matches!(role, Role::Import(_) | Role::Previous { kept: true, .. });
         self.frame.resources.push(Resource { name, shape, role });
         self.defined.push(vec![defined; (mips * layers) as usize]);
+        self.bare.push(vec![None; (mips * layers) as usize]);
         self.arguments.push(false);
         self.frame.resources.len() - 1
     }
@@ -220,6 +236,7 @@ impl Resolver {
             self.arguments[u.resource] = job == Job::Arguments;
         }
         let n = self.frame.nodes.len();
+        let stand_ins = self.stand_ins(&uses);
         self.frame.nodes.push(Node {
             name: format!("n{n}"),
             job,
@@ -227,7 +244,13 @@ impl Resolver {
             seed: hash(n as u32 + 1000 * self.frame.number as u32),
             uses,
             implicit: false,
+            switch: self.switch.map(|(k, _)| self.on >> k & 1 == 1),
+            stand_ins,
         });
+        for i in 0..self.frame.nodes[n].stand_ins.len() {
+            let node = self.stand_in(n, i);
+            self.frame.nodes.push(node);
+        }
     }
 
     fn constant(&mut self, resource: usize, value: u32) {
@@ -260,10 +283,11 @@ impl Resolver {
             mode: Mode::Read,
             state: State::Undefined,
         };
-        self.frame
-            .subresources(&u)
-            .iter()
-            .all(|(sub, _)| self.defined[resource][*sub])
+        let switch = self.switch.map(|(k, _)| k);
+        self.frame.subresources(&u).iter().all(|&(sub, _)| {
+            let bare = self.bare[resource][sub];
+            self.defined[resource][sub] && (bare.is_none() || bare == switch)
+        })
     }
 
     /// All ranges that `ranges` gives for the resources, of which `pick` chooses one that may be touched so
@@ -365,8 +389,24 @@ impl Resolver {
     }
 
     /// Declares the op, unless nothing is legal for it.
-    fn op(&mut self, Op { what, picks }: &Op) -> Option<()> {
+    fn op(
+        &mut self,
+        Op {
+            what,
+            picks,
+            switch,
+        }: &Op,
+    ) -> Option<()> {
         let [a, b, c, ..] = *picks;
+        // Copies and the like have no switch, and of arguments nobody knows what stands in for them.
+        let switched = [
+            What::Kernel,
+            What::Look,
+            What::Indirect,
+            What::Raster,
+            What::Foreign,
+        ];
+        self.switch = switch.filter(|_| switched.contains(what));
         let value = u32::from(a) << 16 | u32::from(b);
         match what {
             What::Kernel => {
