@@ -262,3 +262,72 @@ fn mistakes_with_stand_ins() {
         ]
     );
 }
+
+/// What a switched node modifies is without contents where what it found was.
+#[test]
+fn modifying_gives_no_contents() {
+    let (device, queue) = noop();
+    let (k, pool) = (Kernels::new(&device), Pool::new(&device, &queue));
+    let mut fg = pool.frame(FRAME);
+    let (a, b) = (fg.texture("a", R32), fg.texture("b", R32));
+    let mut node = fg.compute("first", &k.produce);
+    let a = node.overwrite("out_value", a);
+    node.enabled_if(true);
+    node.dispatch_texels([64, 64]);
+    let mut node = fg.compute("second", &k.bump);
+    let a = node.modify("value", a);
+    node.enabled_if(true);
+    node.dispatch_texels([64, 64]);
+    let b = increment(&mut fg, &k, "reader", a, b);
+    fg.export_texture("b", b);
+    assert_eq!(
+        messages(fg),
+        ["FG023 `reader` reads `a`, which `first` leaves without contents while it is off"]
+    );
+}
+
+/// A stand-in takes what another node may have left without contents, in the frames in which it runs.
+#[test]
+fn stand_ins_are_readers() {
+    let (device, queue) = noop();
+    let (k, pool) = (Kernels::new(&device), Pool::new(&device, &queue));
+    let messages = |first: bool, second: bool| {
+        let mut fg = pool.frame(FRAME);
+        let (a, b) = (fg.texture("a", R32), fg.texture("b", R32));
+        let mut node = fg.compute("first", &k.produce);
+        let a = node.overwrite("out_value", a);
+        node.enabled_if(first);
+        node.dispatch_texels([64, 64]);
+        let mut node = fg.compute("second", &k.produce);
+        let b = node.overwrite("out_value", b);
+        node.enabled_if(second).or_use(b, a);
+        node.dispatch_texels([64, 64]);
+        fg.export_texture("b", b);
+        messages(fg)
+    };
+    assert!(messages(true, true).is_empty());
+    assert!(messages(true, false).is_empty());
+    assert!(messages(false, true).is_empty());
+    assert_eq!(
+        messages(false, false),
+        ["FG023 `second` reads `a`, which `first` leaves without contents while it is off"]
+    );
+    assert_eq!(pool.plans().compiled, 1);
+}
+
+#[test]
+fn nothing_stands_in_for_itself() {
+    let (device, queue) = noop();
+    let (k, pool) = (Kernels::new(&device), Pool::new(&device, &queue));
+    let mut fg = pool.frame(FRAME);
+    let a = fg.texture("a", R32);
+    let mut node = fg.compute("node", &k.produce);
+    let a = node.overwrite("out_value", a);
+    node.enabled_if(true).or_use(a, a);
+    node.dispatch_texels([64, 64]);
+    fg.export_texture("a", a);
+    assert_eq!(
+        messages(fg),
+        ["FG013 `node` touches the same part of `a` twice, and writes it"]
+    );
+}

@@ -99,14 +99,15 @@ impl<'f> FrameGraph<'f> {
         } = scratch;
         table.fill(self);
         contents.flow(self, table);
-        switches::check(self, table, contents);
+        let mut bare = switches::check(self, table);
         if !self.errors.is_empty() {
             return Err(GraphErrors(std::mem::take(&mut self.errors)));
         }
         let mut room = lock(&self.shared.plans).room();
         let s = room.schedule();
         cull::cull(self, table, contents, needed, s);
-        switches::bare(self, contents, s);
+        bare.retain(|b| s.live[b.reader as usize]);
+        s.bare = bare;
         hazards.edges(self, table, s);
         order.order(self, s);
         usage::usage(self, s);

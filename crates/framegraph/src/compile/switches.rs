@@ -1,6 +1,6 @@
 //! What a node that is off leaves without contents, and who would read it.
 
-use super::{Schedule, Table, contents::Contents};
+use super::{NONE, Table};
 use crate::error::{Code, GraphError};
 use crate::graph::{FrameGraph, Kind};
 use crate::state::Mode;
@@ -12,21 +12,46 @@ pub(crate) struct Bare {
     pub reader: u32,
 }
 
-/// Reports what is read, exported or kept though it may be without contents.
-pub(super) fn check(graph: &mut FrameGraph<'_>, table: &Table, contents: &Contents) {
+/// Reports what is read, exported or kept though it may be without contents. Readers that may be off themselves
+/// are given back: whether they are is asked in every frame.
+pub(super) fn check(graph: &mut FrameGraph<'_>, table: &Table) -> Vec<Bare> {
     if graph.nodes.iter().all(|n| n.switch.is_none()) {
-        return;
+        return Vec::new();
     }
-    let mut errors = Vec::new();
-    for reader in 0..graph.nodes.len() as u32 {
-        if graph.nodes[reader as usize].switch.is_none() {
-            let bare = contents
-                .needs(reader)
-                .iter()
-                .filter(|&&w| is_bare(graph, w));
-            errors.extend(bare.map(|&access| error(graph, Bare { access, reader })));
+    // For each (mip, layer) the access without which it has no contents.
+    let mut given = vec![NONE; table.len()];
+    let mut bare = Vec::new();
+    for (reader, node) in (0..).zip(&graph.nodes) {
+        let own = bare.len();
+        for i in node.accesses.clone() {
+            let a = &graph.accesses[i as usize];
+            // What a stand-in writes is not what it takes.
+            let reads = a.mode.reads() && !(node.stands_in && a.mode.writes());
+            for e in table.entries(a.resource, a.range).filter(|_| reads) {
+                let access = given[e];
+                if access != NONE && !bare[own..].contains(&Bare { access, reader }) {
+                    bare.push(Bare { access, reader });
+                }
+            }
+        }
+        for i in node.accesses.clone() {
+            let a = &graph.accesses[i as usize];
+            let now = match (a.mode, node.switch) {
+                (Mode::Read, _) => continue,
+                // While it is off what was there stays.
+                (Mode::Modify, Some(_)) if !node.stands_in => continue,
+                (Mode::Overwrite, Some(_)) => i,
+                _ => NONE,
+            };
+            table
+                .entries(a.resource, a.range)
+                .for_each(|e| given[e] = now);
         }
     }
+    let always = |b: &&Bare| graph.nodes[b.reader as usize].switch.is_none();
+    let mut errors: Vec<_> = (bare.iter().filter(always))
+        .map(|&b| error(graph, b))
+        .collect();
     let mut ends = Vec::new();
     for export in &graph.exports {
         ends.push((
@@ -42,26 +67,12 @@ pub(super) fn check(graph: &mut FrameGraph<'_>, table: &Table, contents: &Conten
         }
     }
     for (resource, taker) in ends {
-        let last = table.all(resource).map(|e| contents.writer[e]);
-        let known = |&w: &u32| (w as usize) < graph.accesses.len() && is_bare(graph, w);
-        if let Some(access) = last.into_iter().find(known) {
-            errors.push(taken(graph, access, taker));
-        }
+        let last = given[table.all(resource)].iter().find(|&&a| a != NONE);
+        errors.extend(last.map(|&access| taken(graph, access, taker)));
     }
+    bare.retain(|b| !always(&b));
     graph.errors.append(&mut errors);
-}
-
-/// Readers that may be off themselves: whether they are is asked in every frame.
-pub(super) fn bare(graph: &FrameGraph<'_>, contents: &Contents, s: &mut Schedule) {
-    for (reader, node) in (0..).zip(&graph.nodes) {
-        if node.switch.is_some() && !node.stands_in && s.live[reader as usize] {
-            let bare = contents
-                .needs(reader)
-                .iter()
-                .filter(|&&w| is_bare(graph, w));
-            s.bare.extend(bare.map(|&access| Bare { access, reader }));
-        }
-    }
+    bare
 }
 
 /// Reports readers that are on where the writer is off.
@@ -73,12 +84,6 @@ pub(super) fn check_frame(graph: &mut FrameGraph<'_>, bare: &[Bare]) {
             graph.errors.push(error);
         }
     }
-}
-
-/// A stand-in modifies what its node overwrote, so that it is found as the writer in its place.
-fn is_bare(graph: &FrameGraph<'_>, access: u32) -> bool {
-    let a = &graph.accesses[access as usize];
-    a.mode == Mode::Overwrite && graph.nodes[a.node as usize].switch.is_some()
 }
 
 fn error(graph: &FrameGraph<'_>, b: Bare) -> GraphError {

@@ -166,7 +166,7 @@ impl FrameGraph<'_> {
 
     /// Reports a second touch of the same range by one node when either writes.
     #[inline(always)]
-    fn check_conflict(
+    pub(crate) fn check_conflict(
         &mut self,
         node: u32,
         resource: u32,

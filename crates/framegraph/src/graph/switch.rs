@@ -187,6 +187,7 @@ impl FrameGraph<'_> {
         let shape = &self.resources[output.resource as usize].shape;
         let usage = usage_of(state, matches!(shape, Shape::Texture { .. }));
         self.check_usage(output.resource as usize, usage, site);
+        self.check_conflict(node, output.resource, output.range, Mode::Modify, site);
         let access = Access {
             node,
             mode: Mode::Modify,
