@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::camera::CameraChoice;
+use crate::levers;
 use crate::scene::SkyChoice;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use scumble_metrics::Metric;
@@ -17,10 +18,13 @@ pub struct Cli {
 #[derive(Subcommand)]
 pub enum Verb {
     /// Render frames of a scene with a graph
+    #[command(after_help = levers::HELP)]
     Render(Box<RenderArgs>),
     /// Report every mistake of graph files, or what they resolve to
+    #[command(after_help = levers::HELP)]
     Check(CheckArgs),
     /// Draw what a graph becomes: nodes, resources, compute passes, lifetimes. Needs no adapter
+    #[command(after_help = levers::HELP)]
     Graph(GraphArgs),
     /// List the passes, or tell all about one: ports, parameters, source
     Passes(PassesArgs),

@@ -25,6 +25,13 @@ pub enum Failure {
     #[error("this adapter renders at most {max}x{max} pixels, not {}x{}", size[0], size[1])]
     Size { size: [u32; 2], max: u32 },
 
+    #[error("FRAMEGRAPH_DEBUG: {0}")]
+    Levers(#[from] framegraph::DebugError),
+    #[error(
+        "FRAMEGRAPH_DEBUG: nothing here reads `capture={0}`; `scumble render --dump PASS.PORT` writes what a pass gives"
+    )]
+    Capture(framegraph::Capture),
+
     #[error("{0}")]
     Graph(scumble::Diagnostics),
     #[error(transparent)]

@@ -2,7 +2,7 @@
 
 use crate::args::{CheckArgs, EditArgs};
 use crate::failure::Failure;
-use crate::{device, report};
+use crate::{device, levers, report};
 use scumble::diagnostics::nearest;
 use scumble::{Diagnostics, Edits, Pipeline, Registry, Resolved, SetEverywhere};
 use serde_json::json;
@@ -73,6 +73,8 @@ pub fn refuse_parts(path: &Path, resolved: &Resolved) -> Result<(), Failure> {
 }
 
 pub fn check(args: &CheckArgs) -> Result<(), Failure> {
+    // Nothing is planned here; what `render` would refuse is refused.
+    levers::read()?;
     let registry = scumble_passes::registry();
     let adapter = match &args.adapter {
         Some(name) => Some(device::adapter(name.as_deref())?),

@@ -12,6 +12,7 @@ mod device;
 mod failure;
 mod folder;
 mod graph;
+mod levers;
 mod passes;
 mod picture;
 mod render;

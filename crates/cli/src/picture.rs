@@ -4,13 +4,14 @@
 use crate::args::{GraphArgs, PlanFormat};
 use crate::device::Gpu;
 use crate::failure::Failure;
-use crate::{folder, graph, report, scene};
+use crate::{folder, graph, levers, report, scene};
 use scumble::{FrameInput, Host, Pipeline};
 use scumble_scene::GpuScene;
 use std::path::Path;
 use std::sync::Arc;
 
 pub fn run(args: &GraphArgs) -> Result<(), Failure> {
+    let levers = levers::read()?;
     let registry = scumble_passes::registry();
     let resolved = graph::resolve(&args.graph, &registry, &args.edits, args.max_bounces)
         .map_err(Failure::Graph)?;
@@ -29,6 +30,7 @@ pub fn run(args: &GraphArgs) -> Result<(), Failure> {
     }
     let (device, queue) = (&gpu.device, &gpu.queue);
     let mut pipeline = Pipeline::new(device, queue, &registry, resolved, &host, args.size)?;
+    *pipeline.debug() = levers;
     pipeline.keep_plan(true);
     for frame in 0..=args.frame {
         let mut encoder = device.create_command_encoder(&Default::default());

@@ -2,7 +2,7 @@
 
 mod program;
 
-use program::{text, without_driver};
+use program::{text, with_levers, without_driver};
 use std::path::Path;
 
 fn graph(name: &str) -> String {
@@ -74,4 +74,42 @@ fn parts_and_mistakes_say_why() {
     let run = without_driver(&["graph", &whole, "--output", &below_a_file]);
     let message = format!("error: `{whole}` is a file, not a folder to write to");
     assert_eq!((run.code, text(&run.err)), (2, message));
+}
+
+/// What the plan is with a lever, and that a word that is none stops every verb that plans.
+#[test]
+fn the_environment_sets_levers() {
+    let file = graph("upsample-2016.ron");
+    let args = ["graph", &file, "--format", "text", "--size", "64x48"];
+    let passes = |run: &program::Run| {
+        assert_eq!(run.code, 0, "{}", run.err);
+        let begins = |line: &&str| line.starts_with("compute");
+        let dispatches = |line: &&str| line.trim_start().starts_with("dispatch ");
+        let lines = || run.out.lines();
+        (
+            lines().filter(begins).count(),
+            lines().filter(dispatches).count(),
+        )
+    };
+    let (grouped, dispatches) = passes(&without_driver(&args));
+    assert!(grouped < dispatches, "{grouped} of {dispatches}");
+    let (apart, same) = passes(&with_levers("no_group", &args));
+    assert_eq!((apart, same), (dispatches, dispatches));
+
+    let message =
+        "error: FRAMEGRAPH_DEBUG: `no_grup` is no lever of a frame graph: did you mean `no_group`?";
+    for verb in ["graph", "render", "check"] {
+        let run = with_levers("no_grup", &[verb, &file]);
+        assert_eq!(run.code, 2, "{verb}");
+        let (err, out) = (text(&run.err), run.out);
+        assert!(
+            err.starts_with(message) && err.lines().count() == 1,
+            "{err}"
+        );
+        assert_eq!(out, "", "{verb}");
+    }
+    let run = with_levers("capture=gbuffer/normal", &args);
+    let message = "error: FRAMEGRAPH_DEBUG: nothing here reads `capture=gbuffer/normal`; \
+        `scumble render --dump PASS.PORT` writes what a pass gives";
+    assert_eq!((run.code, text(&run.err)), (2, message.to_owned()));
 }

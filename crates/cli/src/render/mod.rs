@@ -8,7 +8,7 @@ use crate::args::RenderArgs;
 use crate::camera::CameraChoice;
 use crate::device::{self, Gpu};
 use crate::failure::Failure;
-use crate::{graph, report, scene};
+use crate::{graph, levers, report, scene};
 use indicatif::{ProgressBar, ProgressStyle};
 use output::Targets;
 use scumble::{Camera, FrameInput, Host, Pipeline, Requirements, Resolved};
@@ -21,6 +21,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let levers = levers::read()?;
     let registry = scumble_passes::registry();
     let resolved = graph::resolve(&args.graph, &registry, &args.edits, args.max_bounces)
         .map_err(Failure::Graph)?;
@@ -63,6 +64,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         stats: Stats::default(),
         files: Vec::new(),
     };
+    *run.pipeline.debug() = levers;
     progress.suspend(|| run.prepare())?;
     run.frames(&mut host, &progress)?;
     progress.finish_and_clear();
@@ -154,7 +156,7 @@ impl Run<'_> {
         if !self.args.quiet {
             notes.iter().for_each(report::note);
         }
-        self.pipeline.debug().timestamps = self.args.stats && self.gpu.has_timestamps();
+        self.pipeline.debug().timestamps |= self.args.stats && self.gpu.has_timestamps();
         self.gpu
             .device
             .set_device_lost_callback(self.pipeline.device_lost_handler());

@@ -33,6 +33,16 @@ pub fn with_variable(adapter: &str, args: &[&str]) -> Run {
     run(command.args(args).env("SCUMBLE_ADAPTER", adapter))
 }
 
+/// With FRAMEGRAPH_DEBUG set, and no driver.
+pub fn with_levers(levers: &str, args: &[&str]) -> Run {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scumble"));
+    run(command
+        .args(args)
+        .env("FRAMEGRAPH_DEBUG", levers)
+        .env("VK_DRIVER_FILES", "/nowhere")
+        .env("VK_ICD_FILENAMES", "/nowhere"))
+}
+
 fn run(command: &mut Command) -> Run {
     let output = command.output().unwrap();
     Run {

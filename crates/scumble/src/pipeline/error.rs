@@ -72,7 +72,7 @@ pub enum RenderError {
         message: String,
     },
     /// Mistakes in the frame graph that passes declared.
-    #[error(transparent)]
+    #[error("{errors}\n  see {pages}", errors = .0, pages = pages(.0))]
     Graph(#[from] GraphErrors),
     /// The plan could not be encoded.
     #[error(transparent)]
@@ -124,6 +124,18 @@ pub enum NameError {
         /// What is wrong.
         message: String,
     },
+}
+
+/// Where the codes of the mistakes are explained, each once.
+fn pages(errors: &GraphErrors) -> String {
+    let mut pages: Vec<String> = Vec::new();
+    for error in errors.iter() {
+        let page = format!("crates/framegraph/docs/errors/{}.md", error.code);
+        if !pages.contains(&page) {
+            pages.push(page);
+        }
+    }
+    pages.join(", ")
 }
 
 fn lines<T: std::fmt::Display>(all: &[T]) -> String {

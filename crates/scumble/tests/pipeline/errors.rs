@@ -104,6 +104,14 @@ fn mistakes_of_a_frame_name_the_pass_and_the_nearest() {
         message.starts_with("render: error[FG0") && message.contains("toys.rs"),
         "{message}"
     );
+    // And it says where each is explained.
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let page = message
+        .lines()
+        .last()
+        .and_then(|l| l.strip_prefix("  see "));
+    let there = |pages: &str| pages.split(", ").all(|p| root.join(p).is_file());
+    assert!(pages.is_some_and(there), "{message}");
 }
 
 #[test]
