@@ -27,6 +27,9 @@ pub struct Debug {
     pub no_group: bool,
     /// Give every transient memory of its own, so that none holds what another left.
     pub no_reuse: bool,
+    /// Leave every barrier where wgpu places it. Else what several steps are about to read is made ready by one
+    /// barrier in front of the first of them, where that saves one: [`Plan::batch`](crate::Plan::batch).
+    pub no_batch: bool,
     /// Compile every graph anew, also when one was declared alike before.
     pub no_cache: bool,
     /// Name each dispatch inside its compute pass for graphics debuggers.
@@ -47,6 +50,7 @@ const FLAGS: &[(&str, Flag)] = &[
     ("no_cull", |d| &mut d.no_cull),
     ("no_group", |d| &mut d.no_group),
     ("no_reuse", |d| &mut d.no_reuse),
+    ("no_batch", |d| &mut d.no_batch),
     ("no_cache", |d| &mut d.no_cache),
     ("labels", |d| &mut d.labels),
     ("clobber", |d| &mut d.clobber),

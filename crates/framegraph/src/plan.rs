@@ -5,7 +5,7 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::compile::{Edge, Schedule};
+use crate::compile::{self, Edge, Schedule};
 use crate::error::Warning;
 use crate::graph::{Dispatch, FrameGraph, Work};
 use crate::handle::Subresources;
@@ -68,6 +68,8 @@ pub struct Step {
     pub kind: StepKind,
     pub(crate) node: u32,
     pub(crate) transitions: Range<u32>,
+    /// What is made in front of it, as one barrier.
+    pub(crate) batch: Range<u32>,
 }
 
 /// A change of state of a range of a resource.
@@ -85,6 +87,12 @@ pub struct Transition {
     /// it, is not counted, nor what a foreign node finds or leaves. Where a node uses a range twice, each use has a
     /// transition from the state before the node, and the first has the barrier, for both.
     pub barrier: bool,
+    /// Whether the barrier is in a batch in front of this step or of one before it: [`Plan::batch`].
+    pub batched: bool,
+    /// The step that used the memory before; where there is a barrier, there is one.
+    pub(crate) since: u32,
+    /// Whether its barrier may stand anywhere after that.
+    pub(crate) movable: bool,
 }
 
 /// A scheduled graph, ready to be encoded once.
@@ -111,6 +119,18 @@ impl Plan<'_> {
     /// The states that a step finds and leaves.
     pub fn transitions(&self, step: &Step) -> &[Transition] {
         &self.schedule.transitions[step.transitions.start as usize..step.transitions.end as usize]
+    }
+
+    /// The barriers that are made as one command in front of a step, for itself and for later ones: see
+    /// [`Debug::no_batch`](crate::Debug::no_batch).
+    pub fn batch(&self, step: &Step) -> &[Transition] {
+        &self.schedule.transitions[step.batch.start as usize..step.batch.end as usize]
+    }
+
+    /// How many barrier commands wgpu is expected to record: for each place that has any, one for textures and
+    /// one for buffers. In each a GPU may wait for all that was begun before.
+    pub fn barriers(&self) -> u32 {
+        compile::count_barriers(&self.graph, &self.schedule)
     }
 
     /// The name of the resource of a transition.
@@ -160,6 +180,11 @@ impl fmt::Display for Plan<'_> {
             } else {
                 ""
             };
+            for t in self.batch(step) {
+                write!(f, "{inside}barrier ")?;
+                self.change(f, t)?;
+                writeln!(f)?;
+            }
             match step.kind {
                 StepKind::BeginCompute => {
                     f.write_str("compute")?;
@@ -199,17 +224,16 @@ impl fmt::Display for Plan<'_> {
                 }
             }
             for t in self.transitions(step) {
-                let r = &self.graph.resources[t.resource as usize];
-                let (mips, layers) = r.shape.extent();
-                write!(f, "{inside}  {}", r.label)?;
-                span(f, "mip", t.range.mip, t.range.mips, mips)?;
-                span(f, "layer", t.range.layer, t.range.layers, layers)?;
+                write!(f, "{inside}  ")?;
+                self.change(f, t)?;
                 writeln!(
                     f,
-                    ": {} -> {}{}",
-                    t.before,
-                    t.after,
-                    if t.barrier { ", barrier" } else { "" }
+                    "{}",
+                    match (t.barrier, t.batched) {
+                        (true, _) => ", barrier",
+                        (false, true) => ", batched",
+                        (false, false) => "",
+                    }
                 )?;
             }
         }
@@ -221,6 +245,17 @@ impl fmt::Display for Plan<'_> {
             )?;
         }
         Ok(())
+    }
+}
+
+impl Plan<'_> {
+    fn change(&self, f: &mut fmt::Formatter<'_>, t: &Transition) -> fmt::Result {
+        let r = &self.graph.resources[t.resource as usize];
+        let (mips, layers) = r.shape.extent();
+        f.write_str(&r.label)?;
+        span(f, "mip", t.range.mip, t.range.mips, mips)?;
+        span(f, "layer", t.range.layer, t.range.layers, layers)?;
+        write!(f, ": {} -> {}", t.before, t.after)
     }
 }
 

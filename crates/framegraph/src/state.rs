@@ -71,6 +71,28 @@ impl State {
         before.uses().barrier(after.uses())
     }
 
+    /// In the words of wgpu's tracker, of what can be batched.
+    pub(crate) fn texture_uses(self) -> wgpu::TextureUses {
+        use wgpu::TextureUses as U;
+        match self {
+            State::Sampled => U::RESOURCE,
+            State::StorageRead => U::STORAGE_READ_ONLY,
+            State::CopySource => U::COPY_SRC,
+            _ => U::empty(),
+        }
+    }
+
+    /// In the words of wgpu's tracker, of what can be batched.
+    pub(crate) fn buffer_uses(self) -> wgpu::BufferUses {
+        use wgpu::BufferUses as U;
+        match self {
+            State::StorageRead => U::STORAGE_READ_ONLY,
+            State::Uniform => U::UNIFORM,
+            State::CopySource => U::COPY_SRC,
+            _ => U::empty(),
+        }
+    }
+
     pub(crate) fn texture_usage(self) -> wgpu::TextureUsages {
         use wgpu::TextureUsages as U;
         match self {
@@ -109,6 +131,13 @@ impl Uses {
         | 1 << State::CopySource as u16
         | 1 << State::Uniform as u16
         | 1 << State::Indirect as u16;
+
+    /// Whether the barrier before them can stand anywhere after the last use. wgpu makes those for writes again, and
+    /// uses arguments in a way of its own.
+    pub fn can_be_batched(self) -> bool {
+        let can = Uses::INCLUSIVE & !(1 << State::Indirect as u16);
+        self.0.is_power_of_two() && self.0 & can != 0
+    }
 
     /// Whether wgpu places a barrier between the two.
     pub fn barrier(self, after: Uses) -> bool {

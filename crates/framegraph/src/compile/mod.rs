@@ -2,6 +2,7 @@
 //! Everything is flat arrays indexed by u32, and every stage is linear in accesses. What was compiled
 //! before is found again by what decides it.
 
+mod batches;
 mod contents;
 mod cull;
 mod hazards;
@@ -17,6 +18,7 @@ mod switches;
 mod table;
 mod usage;
 
+pub(crate) use batches::count as count_barriers;
 pub(crate) use contents::describe;
 pub use hazards::{Edge, Hazard};
 pub(crate) use marks::Marks;
@@ -48,6 +50,7 @@ pub(crate) struct Scratch {
     hazards: hazards::Lists,
     order: order::Lists,
     states: states::States,
+    batches: batches::Lists,
 }
 
 impl<'f> FrameGraph<'f> {
@@ -96,6 +99,7 @@ impl<'f> FrameGraph<'f> {
             hazards,
             order,
             states,
+            batches,
         } = scratch;
         table.fill(self);
         contents.flow(self, table);
@@ -114,6 +118,7 @@ impl<'f> FrameGraph<'f> {
         usage::rings(self, s);
         s.slots = slots::slots(self, &s.order, &s.usage);
         steps::steps(self, table, states, s);
+        batches.batch(self, s);
         notices::whole(self, table, contents, &needed.wanted, s);
         notices::loads(self, contents, s);
         Ok(lock(&self.shared.plans).keep(self, room))

@@ -24,12 +24,13 @@ pub struct PlanCounts {
 }
 
 /// The levers that decide a plan; the others only act when it is recorded.
-fn levers(debug: &Debug) -> [bool; 5] {
+fn levers(debug: &Debug) -> [bool; 6] {
     [
         debug.timestamps,
         debug.no_cull,
         debug.no_group,
         debug.no_reuse,
+        debug.no_batch,
         debug.clobber,
     ]
 }
@@ -37,7 +38,7 @@ fn levers(debug: &Debug) -> [bool; 5] {
 /// A plan and what decides it.
 #[derive(Default)]
 pub(crate) struct Kept {
-    levers: [bool; 5],
+    levers: [bool; 6],
     words: Vec<u64>,
     shapes: Vec<Shape>,
     samplers: Vec<wgpu::SamplerDescriptor<'static>>,

@@ -26,6 +26,9 @@ struct Entry {
     /// The same as wgpu sees it.
     found: Uses,
     uses: Uses,
+    /// The step that used its memory before that node, and the last that used it.
+    since: u32,
+    step: u32,
 }
 
 impl Entry {
@@ -48,6 +51,8 @@ impl States {
                 state,
                 found: state.uses(),
                 uses: state.uses(),
+                since: NONE,
+                step: NONE,
             };
             let end = table.all(i as u32).end;
             self.entries.resize(end, entry);
@@ -60,20 +65,21 @@ impl States {
         }
     }
 
-    /// Lists what changes for a node with these accesses.
+    /// Lists what changes for a node with these accesses at a step.
     pub fn node(
         &mut self,
         table: &Table,
-        node: u32,
+        (node, step): (u32, u32),
         accesses: &[Access],
         out: &mut Vec<Transition>,
     ) {
         for a in accesses {
             for e in table.entries(a.resource, a.range) {
                 if self.entries[e].node != node {
-                    let found = self.left(table, a.resource, e);
+                    let (found, since) = self.left(table, a.resource, e);
                     let entry = &mut self.entries[e];
                     (entry.node, entry.before, entry.found) = (node, entry.state, found);
+                    (entry.since, entry.step) = (since, step);
                     entry.uses = Uses::default();
                 }
                 let entry = &mut self.entries[e];
@@ -89,14 +95,14 @@ impl States {
         }
     }
 
-    /// What the memory of an entry was used as last, by whoever had it.
-    fn left(&self, table: &Table, mut resource: u32, e: usize) -> Uses {
+    /// What the memory of an entry was used as last, by whoever had it, and by which step.
+    fn left(&self, table: &Table, mut resource: u32, e: usize) -> (Uses, u32) {
         let offset = e - table.all(resource).start;
         loop {
             let entry = &self.entries[table.all(resource).start + offset];
             let heir = self.heirs[resource as usize];
             if entry.state != State::Undefined || heir == NONE {
-                return entry.uses;
+                return (entry.uses, entry.step);
             }
             resource = heir;
         }
@@ -111,12 +117,21 @@ impl States {
             changes.all(|c| c == first).then_some(first)
         };
         let mut push = |range: Subresources, (before, barrier): (State, bool)| {
+            let (mut movable, mut since) = (true, 0);
+            for e in table.entries(a.resource, range) {
+                let entry = &self.entries[e];
+                movable &= entry.uses.can_be_batched();
+                since = entry.since.max(since);
+            }
             out.push(Transition {
                 resource: a.resource,
                 range,
                 before,
                 after: a.state,
                 barrier,
+                batched: false,
+                since,
+                movable,
             });
         };
         if let Some(change) = alike(a.range) {

@@ -24,6 +24,7 @@ pub(super) fn steps(graph: &FrameGraph<'_>, table: &Table, states: &mut States, 
                 kind: StepKind::EndCompute,
                 node,
                 transitions: none.clone(),
+                batch: 0..0,
             });
             in_pass = false;
         }
@@ -32,17 +33,19 @@ pub(super) fn steps(graph: &FrameGraph<'_>, table: &Table, states: &mut States, 
                 kind: StepKind::BeginCompute,
                 node,
                 transitions: none,
+                batch: 0..0,
             });
             in_pass = true;
         }
         let start = transitions.len() as u32;
         let accesses = &graph.nodes[node as usize].accesses;
         let accesses = &graph.accesses[accesses.start as usize..accesses.end as usize];
-        states.node(table, node, accesses, transitions);
+        states.node(table, (node, steps.len() as u32), accesses, transitions);
         steps.push(Step {
             kind,
             node,
             transitions: start..transitions.len() as u32,
+            batch: 0..0,
         });
     }
     if in_pass {
@@ -52,6 +55,7 @@ pub(super) fn steps(graph: &FrameGraph<'_>, table: &Table, states: &mut States, 
             kind: StepKind::EndCompute,
             node,
             transitions: end..end,
+            batch: 0..0,
         });
     }
 }

@@ -2,6 +2,7 @@
 //! memory and bind groups as they were, and walks the steps.
 
 mod advance;
+mod batch;
 mod bind;
 mod debug;
 mod passes;
@@ -71,6 +72,9 @@ impl<'f> Plan<'f> {
         let (mut at, mut ran) = (0, 0);
         self.capture(encoder, pool, physical, (&marks, ran));
         while let Some(step) = steps.get(at) {
+            if step.kind != StepKind::Dispatch {
+                self.batch_outside(encoder, physical, step);
+            }
             if matches!(step.kind, StepKind::BeginCompute | StepKind::EndCompute) {
                 at += 1;
                 continue;

@@ -57,6 +57,7 @@ impl Plan<'_> {
             let Kernel::Compute(kernel) = &self.graph.kernels[index as usize] else {
                 continue;
             };
+            self.batch_inside(&mut pass, pool, &real.physical, step);
             let queries = if timed && inside {
                 pool.timer.node(&node.label)
             } else {

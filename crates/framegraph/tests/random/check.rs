@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use framegraph::{Debug, Edge, Hazard, Plan, State, StepKind};
+use framegraph::{Debug, Edge, Hazard, Plan, State, StepKind, Transition};
 
 use crate::frame::{Frame, Job, Role, Shape, Touched, Use, writer};
 use crate::tracker::Tracker;
@@ -287,10 +287,10 @@ fn check_steps(frame: &Frame, plan: &Plan<'_>, debug: &Debug) -> Result<(), Stri
 /// Each step lists each place that its node touches, once for each use, with the state that the place really was
 /// in before, the one that the use puts it in, and the first time whether wgpu places a barrier between the two.
 fn check_transitions(frame: &Frame, plan: &Plan<'_>) -> Result<(), String> {
-    let named = |name: &str| frame.resources.iter().position(|r| r.name == name);
     let mut tracker = Tracker::new(frame, plan);
     let mut order = plan.order().iter().map(|&n| &frame.nodes[n as usize]);
     let mut states: HashMap<usize, State> = HashMap::new();
+    let mut batched = HashSet::new();
     for (i, r) in frame.resources.iter().enumerate() {
         let state = match r.role {
             Role::Import(_) => State::External,
@@ -301,6 +301,20 @@ fn check_transitions(frame: &Frame, plan: &Plan<'_>) -> Result<(), String> {
     }
     for step in plan.steps() {
         let (name, transitions) = (plan.name(step), plan.transitions(step));
+        let mut batch = Vec::new();
+        for t in plan.batch(step) {
+            let places = places(frame, plan, t)?;
+            ensure!(
+                places.iter().all(|p| states.get(p) == Some(&t.before)),
+                "the batch of {name} finds not {}\n{plan}",
+                t.before
+            );
+            batch.extend(places.into_iter().map(|p| (p, t.after)));
+        }
+        let made = tracker.step(&batch);
+        let all = batch.iter().all(|(p, _)| made.contains(p));
+        ensure!(all, "the batch of {name} has what is no barrier\n{plan}");
+        batched.extend(made);
         if matches!(step.kind, StepKind::BeginCompute | StepKind::EndCompute) {
             ensure!(
                 transitions.is_empty(),
@@ -319,16 +333,7 @@ fn check_transitions(frame: &Frame, plan: &Plan<'_>) -> Result<(), String> {
         let (uses, mut listed) = (left.clone(), HashSet::new());
         let barriers = tracker.step(&uses);
         for t in transitions {
-            let Some(resource) = named(plan.resource_name(t)) else {
-                return Err(format!("{} is no resource", plan.resource_name(t)));
-            };
-            let of = Use {
-                resource,
-                range: t.range,
-                mode: framegraph::Mode::Read,
-                state: t.after,
-            };
-            for place in frame.places(&of) {
+            for place in places(frame, plan, t)? {
                 let Some(i) = left.iter().position(|l| *l == (place, t.after)) else {
                     return Err(format!("{name} changes too much to {}\n{plan}", t.after));
                 };
@@ -339,7 +344,13 @@ fn check_transitions(frame: &Frame, plan: &Plan<'_>) -> Result<(), String> {
                     "{name} finds {was}, not {}\n{plan}",
                     t.before
                 );
-                let barrier = listed.insert(place) && barriers.contains(&place);
+                let first = listed.insert(place);
+                let barrier = first && barriers.contains(&place);
+                ensure!(
+                    t.batched == (first && batched.remove(&place)),
+                    "{name}: batch of {was} -> {}\n{plan}",
+                    t.after
+                );
                 ensure!(
                     t.barrier == barrier,
                     "{name}: barrier of {was} -> {}\n{plan}",
@@ -350,7 +361,21 @@ fn check_transitions(frame: &Frame, plan: &Plan<'_>) -> Result<(), String> {
         ensure!(left.is_empty(), "{name} lists not all it touches\n{plan}");
         states.extend(uses);
     }
+    ensure!(batched.is_empty(), "a batch is for nobody\n{plan}");
     Ok(())
+}
+
+/// What a transition is of.
+fn places(frame: &Frame, plan: &Plan<'_>, t: &Transition) -> Result<Vec<usize>, String> {
+    let name = plan.resource_name(t);
+    let resource = frame.resources.iter().position(|r| r.name == name);
+    let of = Use {
+        resource: resource.ok_or_else(|| format!("{name} is no resource"))?,
+        range: t.range,
+        mode: framegraph::Mode::Read,
+        state: t.after,
+    };
+    Ok(frame.places(&of))
 }
 
 /// A transient lives from the first to the last node that touches it, or to the end where it is exported, and

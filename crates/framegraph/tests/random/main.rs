@@ -86,6 +86,7 @@ fn ways() -> [(Debug, bool); 4] {
     let apart = Debug {
         no_group: true,
         no_reuse: true,
+        no_batch: true,
         no_cache: true,
         labels: true,
         ..off.clone()

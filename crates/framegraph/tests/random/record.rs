@@ -12,7 +12,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::process::Command;
 
-use framegraph::{Debug, FrameParams, Plan, Pool, State, StepKind};
+use framegraph::{FrameParams, Plan, Pool, State, StepKind, Transition};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{RngSeed, TestRunner};
@@ -75,7 +75,9 @@ fn predict(frame: &Frame, plan: &Plan<'_>) -> String {
         let Some(node) = nodes.next() else {
             panic!("a step without a node\n{plan}")
         };
-        let barriers = barriers(frame, plan, step);
+        let barriers = barriers(frame, plan, plan.transitions(step));
+        // One barrier in front of all commands of the step.
+        let mut batch = !self::barriers(frame, plan, plan.batch(step)).is_empty();
         let remade = may_be_remade(frame, plan, step);
         let sign = |inside: bool, barrier: bool| match (inside, barrier) {
             (false, _) => '?',
@@ -85,7 +87,7 @@ fn predict(frame: &Frame, plan: &Plan<'_>) -> String {
         };
         match (step.kind, node.job) {
             (StepKind::Dispatch, _) => {
-                let barrier = barriers.iter().any(|&p| touched.contains(&memory(p)));
+                let barrier = batch || barriers.iter().any(|&p| touched.contains(&memory(p)));
                 commands.push((Kind::Dispatch, sign(inside, barrier)));
                 for u in &node.uses {
                     touched.extend(frame.places(u).into_iter().map(memory));
@@ -94,15 +96,16 @@ fn predict(frame: &Frame, plan: &Plan<'_>) -> String {
             (StepKind::Copy, Job::CopyTexture) => {
                 for pair in pairs(frame, node) {
                     let barrier = pair.iter().any(|p| barriers.contains(p));
+                    let barrier = barrier || std::mem::take(&mut batch);
                     commands.push((Kind::Copy, sign(inside, barrier)));
                     inside = true;
                 }
             }
             (StepKind::Copy, _) => {
-                commands.push((Kind::Copy, sign(inside, !barriers.is_empty())));
+                commands.push((Kind::Copy, sign(inside, batch || !barriers.is_empty())));
             }
             (StepKind::Clear, Job::Fill(_)) => {
-                let barrier = !barriers.is_empty();
+                let barrier = batch || !barriers.is_empty();
                 commands.push((Kind::ClearBuffer, sign(inside, barrier)));
             }
             // From the pool's buffer for all uploads, of which the plan says nothing.
@@ -129,9 +132,9 @@ fn first_tenants(frame: &Frame, plan: &Plan<'_>) -> HashMap<usize, usize> {
     first
 }
 
-/// The places for which a step has a barrier.
-fn barriers(frame: &Frame, plan: &Plan<'_>, step: &framegraph::Step) -> HashSet<usize> {
-    let with = plan.transitions(step).iter().filter(|t| t.barrier);
+/// The places that have a barrier among transitions.
+fn barriers(frame: &Frame, plan: &Plan<'_>, transitions: &[Transition]) -> HashSet<usize> {
+    let with = transitions.iter().filter(|t| t.barrier);
     with.flat_map(|t| {
         let name = plan.resource_name(t);
         let resource = frame.resources.iter().position(|r| r.name == name);
@@ -204,7 +207,8 @@ fn child(gpu: &Gpu, file: &Path) {
         });
     let observed = gpu.observed(0);
     let mut lines = Vec::new();
-    for program in programs() {
+    let each = programs().into_iter().enumerate();
+    for (no_batch, program) in each.map(|(i, p)| (i % 4 == 3, p)) {
         let (frames, _) = interpret(&program);
         let shapes = imports(&program);
         let made = shapes.iter().enumerate();
@@ -215,7 +219,7 @@ fn child(gpu: &Gpu, file: &Path) {
             observed: &observed.1,
         };
         let mut pool = Pool::new(&gpu.device, &gpu.queue);
-        *pool.debug() = Debug::default();
+        pool.debug().no_batch = no_batch;
         for frame in &frames {
             if let Some(key) = &frame.reset {
                 pool.reset_history(key, "the program says so");
@@ -325,7 +329,7 @@ pub fn test(name: &str, gpu: Option<&Gpu>) {
         .filter_map(|t| t.split_once('\n'))
         .collect();
     assert_eq!(recorded.len(), predicted.len());
-    let mut seen = [0, 0];
+    let (mut seen, mut batched) = ([0, 0], 0);
     for (recorded, (predicted, plan)) in recorded.iter().zip(&predicted) {
         assert!(
             agrees(recorded, predicted),
@@ -333,15 +337,16 @@ pub fn test(name: &str, gpu: Option<&Gpu>) {
         );
         seen[0] += predicted.matches('-').count();
         seen[1] += predicted.matches('+').count();
+        batched += usize::from(plan.contains(", batched"));
     }
     eprintln!(
-        "{} frames: {} commands with a barrier before, {} without",
+        "{} frames, {batched} with batches: {} commands with a barrier before, {} without",
         predicted.len(),
         seen[1],
         seen[0]
     );
     assert!(
-        seen.iter().all(|&n| n > 100),
-        "too little was seen: {seen:?}"
+        seen.iter().all(|&n| n > 100) && batched > 5,
+        "too little was seen: {seen:?}, {batched}"
     );
 }

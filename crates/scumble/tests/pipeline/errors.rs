@@ -106,7 +106,7 @@ fn mistakes_of_a_frame_name_the_pass_and_the_nearest() {
     );
     // And it says where each is explained.
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let page = message
+    let pages = message
         .lines()
         .last()
         .and_then(|l| l.strip_prefix("  see "));
