@@ -6,8 +6,8 @@ use framegraph::Debug;
 /// What `--help` says of them.
 pub const HELP: &str = "\
 Environment:
-  FRAMEGRAPH_DEBUG  Levers of the frame graph, separated by commas: no_cull, no_group, no_reuse, no_cache,
-                    clobber, labels, timestamps. The image stays the same";
+  FRAMEGRAPH_DEBUG  Levers of the frame graph, separated by commas: no_cull, no_group, no_reuse, no_batch,
+                    no_cache, clobber, labels, timestamps. The image stays the same";
 
 /// The levers that `FRAMEGRAPH_DEBUG` names.
 pub fn read() -> Result<Debug, Failure> {

@@ -127,6 +127,20 @@ impl Plan<'_> {
         &self.schedule.transitions[step.batch.start as usize..step.batch.end as usize]
     }
 
+    /// Whether what a raster node leaves in the attachment of a transition is not stored, because nobody reads it
+    /// and whoever has the memory next overwrites all of it. While [`Debug::capture`](crate::Debug::capture) asks
+    /// for something, all is stored.
+    pub fn is_discarded(&self, step: &Step, transition: &Transition) -> bool {
+        let own = self.graph.nodes[step.node as usize].accesses.clone();
+        let discards = &self.schedule.discards;
+        let from = discards.partition_point(|&i| i < own.start);
+        discards[from..]
+            .iter()
+            .take_while(|&&i| i < own.end)
+            .map(|&i| &self.graph.accesses[i as usize])
+            .any(|a| a.resource == transition.resource && a.range.overlaps(&transition.range))
+    }
+
     /// How many barrier commands wgpu is expected to record: for each place that has any, one for textures and
     /// one for buffers. In each a GPU may wait for all that was begun before.
     pub fn barriers(&self) -> u32 {
@@ -226,13 +240,18 @@ impl fmt::Display for Plan<'_> {
             for t in self.transitions(step) {
                 write!(f, "{inside}  ")?;
                 self.change(f, t)?;
+                f.write_str(match (t.barrier, t.batched) {
+                    (true, _) => ", barrier",
+                    (false, true) => ", batched",
+                    (false, false) => "",
+                })?;
                 writeln!(
                     f,
                     "{}",
-                    match (t.barrier, t.batched) {
-                        (true, _) => ", barrier",
-                        (false, true) => ", batched",
-                        (false, false) => "",
+                    if self.is_discarded(step, t) {
+                        ", discarded"
+                    } else {
+                        ""
                     }
                 )?;
             }

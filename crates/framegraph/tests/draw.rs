@@ -166,7 +166,23 @@ fn json_is_what_its_page_says() {
         .collect();
     let mut found = BTreeSet::new();
     collect(&json, "", &mut found);
+    let batches = serde_json::from_str(&with_a_batch().json()).unwrap();
+    collect(&batches, "", &mut found);
     assert_eq!(found, known);
+}
+
+/// Two copies of what a compute pass has written, and one barrier for both.
+fn with_a_batch() -> Snapshot {
+    let (device, queue) = noop();
+    let (k, pool) = (Kernels::new(&device), Pool::new(&device, &queue));
+    let mut fg = pool.frame(FRAME);
+    let [a, b, c, d] = ["a", "b", "c", "d"].map(|name| fg.texture(name, R32));
+    let [a, b] = [a, b].map(|t| produce(&mut fg, &k, "produce", t));
+    for (key, from, to) in [("c", a, c), ("d", b, d)] {
+        let copied = fg.copy_texture("copy", from, to);
+        fg.export_texture(key, copied);
+    }
+    fg.compile().unwrap().snapshot()
 }
 
 fn collect(value: &serde_json::Value, at: &str, into: &mut BTreeSet<String>) {

@@ -330,7 +330,7 @@ fn raster_nodes_draw() {
           corners: storage-read -> storage-read
           tint: sampled -> sampled
           color: color-target -> color-target, barrier
-          depth: depth-target -> depth-target, barrier
+          depth: depth-target -> depth-target, barrier, discarded
         export color = color
         "
     );

@@ -5,6 +5,7 @@
 mod batches;
 mod contents;
 mod cull;
+mod discards;
 mod hazards;
 mod marks;
 mod notices;
@@ -51,6 +52,7 @@ pub(crate) struct Scratch {
     order: order::Lists,
     states: states::States,
     batches: batches::Lists,
+    discards: discards::Lists,
 }
 
 impl<'f> FrameGraph<'f> {
@@ -100,6 +102,7 @@ impl<'f> FrameGraph<'f> {
             order,
             states,
             batches,
+            discards,
         } = scratch;
         table.fill(self);
         contents.flow(self, table);
@@ -119,6 +122,7 @@ impl<'f> FrameGraph<'f> {
         s.slots = slots::slots(self, &s.order, &s.usage);
         steps::steps(self, table, states, s);
         batches.batch(self, s);
+        discards.discard(self, table, contents, s);
         notices::whole(self, table, contents, &needed.wanted, s);
         notices::loads(self, contents, s);
         Ok(lock(&self.shared.plans).keep(self, room))

@@ -18,6 +18,8 @@ pub(crate) struct Schedule {
     pub steps: Vec<Step>,
     /// Of all steps, one after the other.
     pub transitions: Vec<Transition>,
+    /// Accesses of attachments that are not stored, sorted.
+    pub discards: Vec<u32>,
     pub notices: Vec<Notice>,
     /// Readers that must be off while a writer is.
     pub bare: Vec<Bare>,
@@ -40,6 +42,7 @@ impl Schedule {
         self.order.clear();
         self.steps.clear();
         self.transitions.clear();
+        self.discards.clear();
         self.notices.clear();
         self.bare.clear();
         self.usage.clear();

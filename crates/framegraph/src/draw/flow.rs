@@ -265,7 +265,7 @@ impl<'s> Flow<'s> {
             lines,
             names,
             tone: resource.slot,
-            barrier: !again && u.transitions.iter().any(|t| t.barrier),
+            barrier: !again && u.transitions.iter().any(|t| t.barrier || t.batched),
         }
     }
 

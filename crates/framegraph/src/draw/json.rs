@@ -4,6 +4,7 @@ use std::fmt::{Display, Write};
 
 use super::snapshot::{Snapshot, UseInfo};
 use crate::compile::Hazard;
+use crate::plan::Transition;
 use crate::state::Mode;
 
 /// Writes JSON: values one after the other, commas where they belong.
@@ -163,6 +164,12 @@ fn node(j: &mut Json, s: &Snapshot, n: usize) {
         if let Some(reason) = node.side_effect {
             j.key("side_effect").string(reason);
         }
+        j.key("batch").array(&node.batch, |j, (resource, t)| {
+            j.object(|j| {
+                j.key("resource").plain(resource);
+                change(j, t);
+            });
+        });
         j.key("uses")
             .array(node.uses.clone(), |j, u| usage(j, u, &s.uses[u as usize]));
     });
@@ -186,16 +193,22 @@ fn usage(j: &mut Json, index: u32, u: &UseInfo) {
         j.key("state").string(&u.state.to_string());
         j.key("transitions").array(&u.transitions, |j, t| {
             j.object(|j| {
-                j.key("mips")
-                    .array([t.range.mip, t.range.mips], Json::plain);
-                j.key("layers")
-                    .array([t.range.layer, t.range.layers], Json::plain);
-                j.key("before").string(&t.before.to_string());
-                j.key("after").string(&t.after.to_string());
+                change(j, t);
                 j.key("barrier").plain(t.barrier);
+                j.key("batched").plain(t.batched);
             });
         });
+        j.key("discarded").plain(u.discarded);
         j.key("from").array(&u.from, Json::plain);
         j.key("from_before").plain(u.from_before);
     });
+}
+
+fn change(j: &mut Json, t: &Transition) {
+    j.key("mips")
+        .array([t.range.mip, t.range.mips], Json::plain);
+    j.key("layers")
+        .array([t.range.layer, t.range.layers], Json::plain);
+    j.key("before").string(&t.before.to_string());
+    j.key("after").string(&t.after.to_string());
 }

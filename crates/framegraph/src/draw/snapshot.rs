@@ -58,6 +58,9 @@ pub struct NodeInfo {
     pub side_effect: Option<&'static str>,
     /// Its part of [`Snapshot::uses`].
     pub uses: Range<u32>,
+    /// Barriers that are made as one command in front of it, or of its pass: the resource of each, as an index into
+    /// [`Snapshot::resources`], and how it changes.
+    pub batch: Vec<(u32, Transition)>,
 }
 
 /// A declared resource.
@@ -139,6 +142,8 @@ pub struct UseInfo {
     /// What the range was used as before, where it changes; several when its parts differ. Empty for
     /// nodes that do not run.
     pub transitions: Vec<Transition>,
+    /// Whether it is an attachment that is not stored.
+    pub discarded: bool,
     /// The uses that wrote what this one reads or keeps, as indices into [`Snapshot::uses`].
     pub from: Vec<u32>,
     /// Whether a part of the contents it reads comes from before the frame.
@@ -166,6 +171,10 @@ impl Plan<'_> {
             for &n in &pass.nodes {
                 nodes[n as usize].pass = Some(p as u32);
             }
+        }
+        for step in self.steps() {
+            let batch = self.batch(step).iter().map(|t| (t.resource, *t));
+            nodes[step.node as usize].batch.extend(batch);
         }
         let mut resources = resources(self);
         Snapshot {
@@ -209,6 +218,7 @@ fn node_info(node: &Node) -> NodeInfo {
         pass: None,
         side_effect: node.side_effect,
         uses: node.accesses.clone(),
+        batch: Vec::new(),
     }
 }
 
@@ -286,6 +296,7 @@ fn uses(plan: &Plan<'_>, resources: &mut [ResourceInfo]) -> Vec<UseInfo> {
                 version: a.version,
                 state: a.state,
                 transitions: Vec::new(),
+                discarded: plan.schedule.discards.binary_search(&i).is_ok(),
                 from: Vec::new(),
                 from_before: false,
             });

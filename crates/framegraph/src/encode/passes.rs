@@ -132,6 +132,15 @@ impl Plan<'_> {
             let a = self.graph.accesses[attachment.access as usize];
             *view = self::attachment(pool, &real.physical[a.resource as usize], a.range);
         }
+        // What is captured is read after all.
+        let discards: &[u32] = match self.graph.debug.capture.is_empty() {
+            true => &self.schedule.discards,
+            false => &[],
+        };
+        let store = |access: u32| match discards.binary_search(&access) {
+            Ok(_) => wgpu::StoreOp::Discard,
+            Err(_) => wgpu::StoreOp::Store,
+        };
         let mut colors = [const { None }; MOST_COLORS];
         let mut depth = None;
         for (i, (view, attachment)) in views.iter().zip(own).enumerate() {
@@ -142,13 +151,13 @@ impl Plan<'_> {
                         view,
                         depth_slice: None,
                         resolve_target: None,
-                        ops: operations(load),
+                        ops: operations(load, store(attachment.access)),
                     });
                 }
                 Target::Depth(load) => {
                     depth = Some(wgpu::RenderPassDepthStencilAttachment {
                         view,
-                        depth_ops: Some(operations(load)),
+                        depth_ops: Some(operations(load, store(attachment.access))),
                         stencil_ops: None,
                     });
                 }
@@ -211,11 +220,12 @@ impl Plan<'_> {
                     return;
                 };
                 let [r, g, b, a] = value;
+                let stored = wgpu::StoreOp::Store;
                 let color = [Some(wgpu::RenderPassColorAttachment {
                     view: &view,
                     depth_slice: None,
                     resolve_target: None,
-                    ops: operations(Load::Clear(wgpu::Color { r, g, b, a })),
+                    ops: operations(Load::Clear(wgpu::Color { r, g, b, a }), stored),
                 })];
                 encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                     label: Some("clear"),
@@ -223,8 +233,8 @@ impl Plan<'_> {
                     depth_stencil_attachment: (depth || stencil).then(|| {
                         wgpu::RenderPassDepthStencilAttachment {
                             view: &view,
-                            depth_ops: depth.then(|| operations(Load::Clear(r as f32))),
-                            stencil_ops: stencil.then(|| operations(Load::Clear(g as u32))),
+                            depth_ops: depth.then(|| operations(Load::Clear(r as f32), stored)),
+                            stencil_ops: stencil.then(|| operations(Load::Clear(g as u32), stored)),
                         }
                     }),
                     ..Default::default()
@@ -234,13 +244,13 @@ impl Plan<'_> {
     }
 }
 
-fn operations<T>(load: Load<T>) -> wgpu::Operations<T> {
+fn operations<T>(load: Load<T>, store: wgpu::StoreOp) -> wgpu::Operations<T> {
     wgpu::Operations {
         load: match load {
             Load::Clear(value) => wgpu::LoadOp::Clear(value),
             Load::Load => wgpu::LoadOp::Load,
         },
-        store: wgpu::StoreOp::Store,
+        store,
     }
 }
 

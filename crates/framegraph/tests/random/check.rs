@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use framegraph::{Debug, Edge, Hazard, Plan, State, StepKind, Transition};
 
-use crate::frame::{Frame, Job, Role, Shape, Touched, Use, writer};
+use crate::frame::{Frame, Job, Node, Role, Shape, Touched, Use, writer};
 use crate::tracker::Tracker;
 
 /// Fails with the plan when something does not hold.
@@ -359,10 +359,36 @@ fn check_transitions(frame: &Frame, plan: &Plan<'_>) -> Result<(), String> {
             }
         }
         ensure!(left.is_empty(), "{name} lists not all it touches\n{plan}");
+        let discards = transitions.iter().filter(|t| plan.is_discarded(step, t));
+        for t in discards {
+            for place in places(frame, plan, t)? {
+                let read = is_read(frame, plan, node, place);
+                ensure!(!read, "{name} discards what is read\n{plan}");
+            }
+        }
         states.extend(uses);
     }
     ensure!(batched.is_empty(), "a batch is for nobody\n{plan}");
     Ok(())
+}
+
+/// Whether anybody reads what a node leaves in a place.
+fn is_read(frame: &Frame, plan: &Plan<'_>, node: &Node, place: usize) -> bool {
+    let order = plan.order().iter().map(|&n| &frame.nodes[n as usize]);
+    for after in order.skip_while(|n| !std::ptr::eq(*n, node)).skip(1) {
+        let uses = after
+            .uses
+            .iter()
+            .filter(|u| frame.places(u).contains(&place));
+        let uses: Vec<&Use> = uses.collect();
+        if uses.iter().any(|u| u.reads()) {
+            return true;
+        }
+        if !uses.is_empty() {
+            return false;
+        }
+    }
+    frame.exports.contains(&(place / 16)) || frame.resources[place / 16].role != Role::Transient
 }
 
 /// What a transition is of.
