@@ -33,6 +33,7 @@ pub mod progressive;
 pub mod recombine;
 #[path = "sample-mask/mod.rs"]
 pub mod sample_mask;
+pub mod select;
 pub mod taa;
 pub mod tonemap;
 pub mod variance;
@@ -71,6 +72,7 @@ pub fn registry() -> Registry {
     registry.add::<progressive::Progressive>();
     registry.add::<recombine::Recombine>();
     registry.add::<sample_mask::SampleMask>();
+    registry.add::<select::Select>();
     registry.add::<taa::Taa>();
     registry.add::<tonemap::Tonemap>();
     registry.add::<variance::Variance>();

@@ -11,6 +11,7 @@ mod outlier_reject;
 mod progressive;
 mod recombine;
 mod sample_mask;
+mod select;
 mod taa;
 mod tonemap;
 mod variance;
