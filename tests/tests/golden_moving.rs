@@ -1,7 +1,7 @@
 //! Every graph over time: three frames of the scene in which object, light and camera move. They are finite, a cut and the same
 //! three frames again give the same bits, and the last of them is the golden picture.
 //!
-//! `SCUMBLE_BLESS=1 cargo test --test moving` writes the pictures anew: open them before you commit them.
+//! `SCUMBLE_BLESS=1 cargo test --test golden_moving` writes the pictures anew: open them before you commit them.
 
 use scumble::{Edits, FrameInput, resolve};
 use scumble_metrics::{Image, flip};
@@ -109,6 +109,6 @@ fn every_graph_follows_what_moves() {
     }
     assert!(
         wrong.is_empty(),
-        "{wrong:#?}\nwhere it is meant: SCUMBLE_BLESS=1 cargo test --test moving, and look at tests/golden/moving/"
+        "{wrong:#?}\nwhere it is meant: SCUMBLE_BLESS=1 cargo test --test golden_moving, and look at tests/golden/moving/"
     );
 }
