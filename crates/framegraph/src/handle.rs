@@ -211,6 +211,12 @@ impl View {
         self
     }
 
+    /// Whether it is not narrowed.
+    #[inline(always)]
+    pub(crate) fn is_whole(&self) -> bool {
+        self.mips.is_none() && self.layers.is_none()
+    }
+
     /// The range in a texture of so many mips and layers; `None` when it lies outside or is empty.
     #[inline]
     pub(crate) fn resolve(&self, mips: u32, layers: u32) -> Option<Subresources> {

@@ -62,8 +62,9 @@ impl<'f> FrameGraph<'f> {
     /// # Errors
     /// All mistakes found, of the declaration and of the graph as a whole.
     pub fn compile(mut self) -> Result<Plan<'f>, GraphErrors> {
+        let before = if self.is_again() { self.before } else { 0 };
         let found = match self.errors.is_empty() {
-            true => lock(&self.shared.plans).find(&self),
+            true => lock(&self.shared.plans).find(&self, before),
             false => None,
         };
         let schedule = match found {
@@ -79,6 +80,9 @@ impl<'f> FrameGraph<'f> {
         if !self.errors.is_empty() {
             return Err(GraphErrors(std::mem::take(&mut self.errors)));
         }
+        if !self.debug.no_cache {
+            self.compiled = schedule.serial;
+        }
         Ok(Plan {
             graph: self,
             schedule,
@@ -90,7 +94,7 @@ impl<'f> FrameGraph<'f> {
         self.check_finished();
         for i in 0..self.exports.len() {
             let (raw, site) = (self.exports[i].raw, self.exports[i].site);
-            if raw.version != self.resources[raw.resource as usize].latest {
+            if raw.version != self.latest[raw.resource as usize] {
                 self.check_stale(None, raw, false, site);
             }
         }

@@ -47,15 +47,19 @@ pub(crate) struct Kept {
 
 impl Kept {
     fn fits(&self, graph: &FrameGraph<'_>) -> bool {
-        self.words == graph.words
+        self.words[..] == graph.words[..]
             && self.shapes.len() == graph.resources.len()
-            && self.levers == levers(&graph.debug)
+            && self.acts_alike(graph)
             && self
                 .shapes
                 .iter()
                 .zip(&graph.resources)
                 .all(|(shape, r)| *shape == r.shape)
-            && self.samplers == graph.samplers
+    }
+
+    /// Whether what is not compared while a graph is declared is the same.
+    fn acts_alike(&self, graph: &FrameGraph<'_>) -> bool {
+        self.levers == levers(&graph.debug) && self.samplers == graph.samplers
     }
 
     /// The schedule to be made, in memory that was used before where nobody uses it any more.
@@ -77,12 +81,15 @@ pub(crate) struct Plans {
 }
 
 impl Plans {
-    /// The schedule of a graph that was declared like this one.
-    pub fn find(&mut self, graph: &FrameGraph<'_>) -> Option<Arc<Schedule>> {
+    /// The schedule of a graph that was declared like this one. `before` is the serial of one that is known
+    /// to have been.
+    pub fn find(&mut self, graph: &FrameGraph<'_>, before: u64) -> Option<Arc<Schedule>> {
         if graph.debug.no_cache {
             return None;
         }
-        let at = self.kept.iter().position(|k| k.fits(graph))?;
+        let again = |k: &Kept| k.schedule.serial == before && k.acts_alike(graph);
+        let again = self.kept.iter().position(again);
+        let at = again.or_else(|| self.kept.iter().position(|k| k.fits(graph)))?;
         self.kept[..=at].rotate_right(1);
         self.counts.found += 1;
         self.kept.first().map(|k| k.schedule.clone())
@@ -98,7 +105,8 @@ impl Plans {
 
     pub fn keep(&mut self, graph: &FrameGraph<'_>, mut plan: Kept) -> Arc<Schedule> {
         plan.levers = levers(&graph.debug);
-        plan.words.clone_from(&graph.words);
+        plan.words.clear();
+        plan.words.extend_from_slice(&graph.words);
         plan.shapes.clear();
         plan.shapes.extend(graph.resources.iter().map(|r| r.shape));
         plan.samplers.clone_from(&graph.samplers);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::compile::{Edge, Table};
 use crate::desc::FrameParams;
-use crate::graph::{Bind, Bound, Dispatch, FrameGraph, Kind, Node, Target, Work};
+use crate::graph::{Dispatch, FrameGraph, Kind, Node, Target, Work};
 use crate::handle::{Label, Subresources};
 use crate::plan::{Plan, StepKind, Transition};
 use crate::pool::PlanMemory;
@@ -365,11 +365,9 @@ fn follow_contents(plan: &Plan<'_>, uses: &mut [UseInfo], resources: &mut [Resou
 /// What a node calls one of its accesses.
 fn port(graph: &FrameGraph<'_>, node: &Node, access: u32) -> String {
     let bound = |kernel: u32| {
-        let own = &graph.binds[node.binds.start as usize..node.binds.end as usize];
-        let is_it = |b: &&Bind| matches!(b.what, Bound::Access(a) if a == access);
-        let slot = own.iter().find(is_it)?.slot as usize;
+        let slot = usize::from(graph.accesses[access as usize].slot);
         let face = graph.kernels[kernel as usize].interface();
-        Some(face.reflection.bindings[slot].name.clone())
+        Some(face.reflection.bindings.get(slot)?.name.clone())
     };
     let first = access == node.accesses.start;
     match node.work {

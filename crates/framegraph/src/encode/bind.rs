@@ -1,28 +1,11 @@
 //! Bind groups, found again by what they bind.
 
-use crate::graph::{Bind, Bound, FrameGraph, Node};
+use crate::graph::{Bound, Node};
 use crate::handle::Subresources;
 use crate::kernel::Interface;
 use crate::plan::Plan;
 use crate::pool::{Physical, Pool};
 use crate::reflect::BindingKind;
-
-/// The number of what a bind binds; 0 for samplers, which never change.
-pub(super) fn number(
-    graph: &FrameGraph<'_>,
-    physical: &[Physical],
-    upload: u32,
-    bind: &Bind,
-) -> u32 {
-    match bind.what {
-        Bound::Access(access) => {
-            let resource = graph.accesses[access as usize].resource;
-            physical[resource as usize].id()
-        }
-        Bound::Uniform { .. } => upload,
-        Bound::Sampler(_) | Bound::Mistake => 0,
-    }
-}
 
 impl Plan<'_> {
     /// The group that binds the same, or a new one.
@@ -33,13 +16,12 @@ impl Plan<'_> {
         node: &Node,
         (face, layout): (&Interface, &wgpu::BindGroupLayout),
     ) -> wgpu::BindGroup {
-        let binds = &self.graph.binds[node.binds.start as usize..node.binds.end as usize];
         let mut key = std::mem::take(&mut pool.cache.key);
         key.clear();
         key.push(face.id);
-        for bind in binds {
-            key.push(bind.slot.into());
-            match bind.what {
+        for (slot, what) in self.graph.bindings(node) {
+            key.push(slot.into());
+            match what {
                 Bound::Access(access) => {
                     let a = &self.graph.accesses[access as usize];
                     // Of one slot, tenants may see different formats and sizes.
@@ -82,27 +64,24 @@ impl Plan<'_> {
         face: &Interface,
         layout: &wgpu::BindGroupLayout,
     ) -> wgpu::BindGroup {
-        let binds = &self.graph.binds[node.binds.start as usize..node.binds.end as usize];
-        let views: Vec<Option<wgpu::TextureView>> = binds
-            .iter()
-            .map(|bind| match bind.what {
+        let views: Vec<Option<wgpu::TextureView>> = (self.graph.bindings(node))
+            .map(|(slot, what)| match what {
                 Bound::Access(access) => {
                     let a = &self.graph.accesses[access as usize];
                     view(
                         pool,
                         &physical[a.resource as usize],
                         a.range,
-                        &face.reflection.bindings[bind.slot as usize].kind,
+                        &face.reflection.bindings[usize::from(slot)].kind,
                     )
                 }
                 _ => None,
             })
             .collect();
-        let entries: Vec<_> = binds
-            .iter()
+        let entries: Vec<_> = (self.graph.bindings(node))
             .zip(&views)
-            .filter_map(|(bind, view)| {
-                let resource = match (bind.what, view) {
+            .filter_map(|((slot, what), view)| {
+                let resource = match (what, view) {
                     (Bound::Access(_), Some(view)) => wgpu::BindingResource::TextureView(view),
                     (Bound::Access(access), None) => {
                         let a = &self.graph.accesses[access as usize];
@@ -131,7 +110,7 @@ impl Plan<'_> {
                     }
                     (Bound::Mistake, _) => return None,
                 };
-                let binding = face.reflection.bindings[bind.slot as usize].binding;
+                let binding = face.reflection.bindings[usize::from(slot)].binding;
                 Some(wgpu::BindGroupEntry { binding, resource })
             })
             .collect();

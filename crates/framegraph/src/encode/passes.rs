@@ -46,58 +46,79 @@ impl Plan<'_> {
         });
         let mut last = u32::MAX;
         for step in steps.iter().filter(on) {
-            let node = &self.graph.nodes[step.node as usize];
-            let Work::Compute {
-                kernel: index,
-                dispatch,
-            } = node.work
-            else {
-                continue;
-            };
-            let Kernel::Compute(kernel) = &self.graph.kernels[index as usize] else {
-                continue;
-            };
-            self.batch_inside(&mut pass, pool, &real.physical, step);
-            let queries = if timed && inside {
-                pool.timer.node(&node.label)
+if !self.batch(step).is_empty() {
+                self.batch_inside(&mut pass, pool, &real.physical, step);
+            }
+            let node = step.node as usize;
+            if debug.labels || timed && inside {
+                self.looked_at(&mut pass, pool, real, (node, &mut last), timed && inside);
             } else {
-                None
-            };
-            if debug.labels {
-                pass.push_debug_group(&node.label);
+                self.dispatch(&mut pass, real, node, &mut last);
             }
-            if let Some((set, first)) = &queries {
-                pass.write_timestamp(set, *first);
-                pool.timer.wait(&mut pass);
-            }
-            if last != index {
-                pass.set_pipeline(&kernel.0.pipeline);
-                last = index;
-            }
-            if let Some(group) = real.group(step.node as usize) {
-                pass.set_bind_group(0, group, &[]);
-            }
-            for (index, group) in
-                &self.graph.groups[node.groups.start as usize..node.groups.end as usize]
-            {
-                pass.set_bind_group(*index, group, &[]);
-            }
-            match dispatch {
-                Dispatch::Workgroups([x, y, z]) => pass.dispatch_workgroups(x, y, z),
-                Dispatch::Indirect { access, offset } => {
-                    let resource = self.graph.accesses[access as usize].resource;
-                    if let Some(buffer) = real.physical[resource as usize].buffer() {
-                        pass.dispatch_workgroups_indirect(buffer, offset);
-                    }
+        }
+    }
+
+    /// One dispatch; `last` is the kernel of the one before.
+    #[inline(always)]
+    fn dispatch(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        real: &Realized,
+        at: usize,
+        last: &mut u32,
+    ) {
+        let node = &self.graph.nodes[at];
+        let Work::Compute { kernel, dispatch } = node.work else {
+            return;
+        };
+        if std::mem::replace(last, kernel) != kernel
+            && let Kernel::Compute(kernel) = &self.graph.kernels[kernel as usize]
+        {
+            pass.set_pipeline(&kernel.0.pipeline);
+        }
+        if let Some(group) = real.group(at) {
+            pass.set_bind_group(0, group, &[]);
+        }
+        for i in node.groups.clone() {
+            let (index, group) = &self.graph.groups[i as usize];
+            pass.set_bind_group(*index, group, &[]);
+        }
+        match dispatch {
+            Dispatch::Workgroups([x, y, z]) => pass.dispatch_workgroups(x, y, z),
+            Dispatch::Indirect { access, offset } => {
+                let resource = self.graph.accesses[access as usize].resource;
+                if let Some(buffer) = real.physical[resource as usize].buffer() {
+                    pass.dispatch_workgroups_indirect(buffer, offset);
                 }
             }
-            if let Some((set, first)) = &queries {
-                pass.write_timestamp(set, first + 1);
-                pool.timer.wait(&mut pass);
-            }
-            if debug.labels {
-                pass.pop_debug_group();
-            }
+        }
+    }
+
+    /// A dispatch with its name and, if timed, its timestamps around it.
+    fn looked_at(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        pool: &mut Pool,
+        real: &Realized,
+        (at, last): (usize, &mut u32),
+        timed: bool,
+    ) {
+        let label = &self.graph.nodes[at].label;
+        let queries = if timed { pool.timer.node(label) } else { None };
+        if self.graph.debug.labels {
+            pass.push_debug_group(label);
+        }
+        if let Some((set, first)) = &queries {
+            pass.write_timestamp(set, *first);
+            pool.timer.wait(pass);
+        }
+        self.dispatch(pass, real, at, last);
+        if let Some((set, first)) = &queries {
+            pass.write_timestamp(set, first + 1);
+            pool.timer.wait(pass);
+        }
+        if self.graph.debug.labels {
+            pass.pop_debug_group();
         }
     }
 

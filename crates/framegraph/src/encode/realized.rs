@@ -1,7 +1,6 @@
 //! What a schedule became in its pool: the memory of each resource and the bind group of each node, kept
 //! while nothing that decides them changes.
 
-use super::bind::number;
 use crate::compile::Schedule;
 use crate::graph::{Import, Kind, Work};
 use crate::kernel::Kernel;
@@ -26,7 +25,7 @@ pub(crate) struct Realized {
     upload: u32,
     /// For each node its group 0.
     groups: Vec<Option<wgpu::BindGroup>>,
-    /// For each bind, the number of what its node's group binds.
+    /// For each access, the number of what it was when its node's group was found.
     seen: Vec<u32>,
 }
 
@@ -61,9 +60,9 @@ impl Realized {
             self.physical[resource] = now;
         }
         let upload = pool.upload.number();
-        same &= upload == std::mem::replace(&mut self.upload, upload);
-        if !same {
-            self.bind(plan, pool);
+        let moved = upload != std::mem::replace(&mut self.upload, upload);
+        if moved || !same {
+            self.bind(plan, pool, moved);
         }
     }
 
@@ -91,11 +90,11 @@ impl Realized {
         self.store = pool.store.serial();
     }
 
-    /// Finds the bind groups of nodes that bind something else than before.
-    fn bind(&mut self, plan: &Plan<'_>, pool: &mut Pool) {
+    /// Finds the bind groups of nodes that bind something else than before. `moved` says that uniform data is.
+    fn bind(&mut self, plan: &Plan<'_>, pool: &mut Pool, moved: bool) {
         let graph = &plan.graph;
         self.groups.resize(graph.nodes.len(), None);
-        self.seen.resize(graph.binds.len(), 0);
+        self.seen.resize(graph.accesses.len(), 0);
         for &n in &plan.schedule.order {
             let node = &graph.nodes[n as usize];
             let (Work::Compute { kernel, .. } | Work::Raster { kernel, .. }) = node.work else {
@@ -104,9 +103,10 @@ impl Realized {
             let kernel: &Kernel = &graph.kernels[kernel as usize];
             let face = kernel.interface();
             let Some(layout) = &face.layout else { continue };
-            let mut same = self.groups[n as usize].is_some();
-            for i in node.binds.start as usize..node.binds.end as usize {
-                let now = number(graph, &self.physical, self.upload, &graph.binds[i]);
+            let uniform = moved && !node.binds.is_empty();
+            let mut same = self.groups[n as usize].is_some() && !uniform;
+            for i in node.accesses.start as usize..node.accesses.end as usize {
+                let now = self.physical[graph.accesses[i].resource as usize].id();
                 same &= now == std::mem::replace(&mut self.seen[i], now);
             }
             if !same {

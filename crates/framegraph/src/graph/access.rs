@@ -1,6 +1,6 @@
 //! Every use of a handle passes through here: brand, version and conflicts are checked at the call.
 
-use super::{Access, FrameGraph, Resource, Shape};
+use super::{Access, FrameGraph, Resource, Shape, UNBOUND};
 use crate::error::{Code, GraphError, Site};
 use crate::handle::{Raw, Subresources, View};
 use crate::state::{Mode, State};
@@ -88,7 +88,21 @@ impl FrameGraph<'_> {
         (mode, state, usage): (Mode, State, u32),
         site: Site,
     ) -> u32 {
-        let latest = self.resources[raw.resource as usize].latest;
+        self.access_in(UNBOUND, node, raw, range, (mode, state, usage), site)
+    }
+
+    /// The same in a slot of the node's kernel.
+    #[inline(always)]
+    pub(crate) fn access_in(
+        &mut self,
+        slot: u16,
+        node: u32,
+        raw: Raw,
+        range: Subresources,
+        (mode, state, usage): (Mode, State, u32),
+        site: Site,
+    ) -> u32 {
+        let latest = self.latest[raw.resource as usize];
         if raw.version != latest {
             self.check_stale(Some(node), raw, mode.writes(), site);
         }
@@ -100,6 +114,7 @@ impl FrameGraph<'_> {
             range,
             mode,
             state,
+            slot,
             usage,
             version: latest,
             site,
@@ -107,7 +122,7 @@ impl FrameGraph<'_> {
         self.note_access(&access);
         self.accesses.push(access);
         self.nodes[node as usize].accesses.end = index + 1;
-        self.resources[raw.resource as usize].latest = latest + u32::from(mode.writes());
+        self.latest[raw.resource as usize] = latest + u32::from(mode.writes());
         index
     }
 
@@ -116,7 +131,7 @@ impl FrameGraph<'_> {
     pub(crate) fn handle(&self, raw: Raw, mode: Mode) -> Raw {
         match mode.writes() {
             true => Raw {
-                version: self.resources[raw.resource as usize].latest,
+                version: self.latest[raw.resource as usize],
                 ..raw
             },
             false => raw,

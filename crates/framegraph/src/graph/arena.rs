@@ -3,15 +3,17 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use super::list::List;
 use super::{
     Access, Attachment, Bind, DrawWork, Export, ForeignWork, FormatCaps, HistoryUse, Import, Node,
     Resource, StandIn,
 };
 use crate::compile::{Plans, Scratch};
+use crate::error::Site;
 use crate::kernel::Kernel;
 
-/// Graphs that a pool has under way at a time, and then waiting to be used again.
-const KEPT: usize = 4;
+/// Arenas that wait to be used again.
+const KEPT: usize = 8;
 
 /// What a pool and its graphs share.
 #[derive(Default)]
@@ -21,26 +23,37 @@ pub(crate) struct Shared {
 }
 
 impl Shared {
-    pub fn lend(&self) -> Arena {
+    /// The arena of the last graph that was begun at this site, else a new one.
+    pub fn lend(&self, begun: Site) -> Arena {
         let mut arenas = self.arenas.lock().unwrap_or_else(PoisonError::into_inner);
-        arenas.pop().unwrap_or_default()
+        match arenas.iter().rposition(|a| a.begun == Some(begun)) {
+            Some(at) => arenas.remove(at),
+            None => Arena::default(),
+        }
     }
 
     pub fn take_back(&self, arena: Arena) {
         let mut arenas = self.arenas.lock().unwrap_or_else(PoisonError::into_inner);
-        if arenas.len() < KEPT {
-            arenas.push(arena);
+        if arenas.len() == KEPT {
+            arenas.remove(0);
         }
+        arenas.push(arena);
     }
 }
 
-/// All lists of a graph. They are empty while nobody uses them, but for what is known of formats.
+/// All lists of a graph. While nobody uses them they are empty, but what the graph declared is still there to
+/// be declared again, and so is what is known of formats.
 #[derive(Default)]
 pub(crate) struct Arena {
-    pub words: Vec<u64>,
-    pub resources: Vec<Resource>,
-    pub nodes: Vec<Node>,
-    pub accesses: Vec<Access>,
+    /// Where the graph was begun.
+    pub begun: Option<Site>,
+    /// The serial of its plan; 0 if it had none.
+    pub compiled: u64,
+    pub words: List<u64>,
+    pub resources: List<Resource>,
+    pub latest: Vec<u32>,
+    pub nodes: List<Node>,
+    pub accesses: List<Access>,
     pub binds: Vec<Bind>,
     pub groups: Vec<(u32, wgpu::BindGroup)>,
     pub samplers: Vec<wgpu::SamplerDescriptor<'static>>,

@@ -1,7 +1,7 @@
 //! Binding by name: what the node gives is checked against what the shader declares.
 
 use super::fit::{dimension_fits, noun, remedy, samples_as};
-use super::{Bind, Bound, FrameGraph, Resource, Shape};
+use super::{Bind, Bound, FrameGraph, Node, Resource, Shape, UNBOUND};
 use crate::error::{Code, GraphError, Site, nearest, suggest};
 use crate::handle::{Buffer, Raw, Subresources, Texture, View};
 use crate::kernel::Interface;
@@ -11,11 +11,10 @@ use crate::state::{Mode, State};
 impl FrameGraph<'_> {
     /// The slot of a name, unless it is unknown or taken.
     #[inline(always)]
-    fn slot(&mut self, face: &Interface, node: u32, name: &str, site: Site) -> Option<usize> {
+    fn slot(&mut self, face: &Interface, node: u32, name: &str, site: Site) -> Option<u16> {
         let bindings = &face.reflection.bindings[..face.slots];
-        let own = &self.binds[self.nodes[node as usize].binds.start as usize..];
         // Most bind in the order in which the shader declares.
-        let next = own.len();
+        let next = self.bound;
         let slot = match bindings.get(next) {
             Some(b) if b.name == name => Some(next),
             _ => bindings.iter().position(|b| b.name == name),
@@ -24,15 +23,38 @@ impl FrameGraph<'_> {
             self.report_unknown(face, node, name, site);
             return None;
         };
-        let taken = |b: &&Bind| b.slot as usize == slot && !matches!(b.what, Bound::Mistake);
-        match own.iter().find(taken) {
+        let slot = slot as u16;
+        match self.taken(node, slot) {
             None => Some(slot),
             Some(first) => {
-                let first = first.site;
                 self.report_bound_twice(node, name, site, first);
                 None
             }
         }
+    }
+
+    /// Where the node that is being declared has bound a slot.
+    #[inline(always)]
+    fn taken(&self, node: u32, slot: u16) -> Option<Site> {
+        let node = &self.nodes[node as usize];
+        let accesses = &self.accesses[node.accesses.start as usize..];
+        let binds = &self.binds[node.binds.start as usize..];
+        let access = accesses.iter().find(|a| a.slot == slot);
+        let bind = |b: &&Bind| b.slot == slot && !matches!(b.what, Bound::Mistake);
+        let other = || binds.iter().find(bind).map(|b| b.site);
+        access.map(|a| a.site).or_else(other)
+    }
+
+    /// What a node binds, and to which slots of its kernel.
+    pub(crate) fn bindings(&self, node: &Node) -> impl Iterator<Item = (u16, Bound)> {
+        let accesses = node
+            .accesses
+            .clone()
+            .map(|i| (self.accesses[i as usize].slot, Bound::Access(i)));
+        let others = self.binds[n_range(&node.binds)]
+            .iter()
+            .map(|b| (b.slot, b.what));
+        accesses.filter(|(slot, _)| *slot != UNBOUND).chain(others)
     }
 
     #[cold]
@@ -49,7 +71,7 @@ impl FrameGraph<'_> {
         if let Some(slot) =
             nearest(name, names).and_then(|near| bindings.iter().position(|b| b.name == near))
         {
-            self.bind(node, slot, Bound::Mistake, site);
+            self.bind(node, slot as u16, Bound::Mistake, site);
         }
         self.fail(Code::UnknownBinding, message, site, help);
     }
@@ -63,13 +85,10 @@ impl FrameGraph<'_> {
     }
 
     #[inline(always)]
-    fn bind(&mut self, node: u32, slot: usize, what: Bound, site: Site) {
-        self.note_bind(slot as u32, what);
-        self.binds.push(Bind {
-            slot: slot as u32,
-            what,
-            site,
-        });
+    fn bind(&mut self, node: u32, slot: u16, what: Bound, site: Site) {
+        self.note_bind(slot, what);
+        self.bound += 1;
+        self.binds.push(Bind { slot, what, site });
         self.nodes[node as usize].binds.end = self.binds.len() as u32;
     }
 
@@ -77,7 +96,7 @@ impl FrameGraph<'_> {
     #[cold]
     fn mistake(
         &mut self,
-        (node, slot): (u32, usize),
+        (node, slot): (u32, u16),
         code: Code,
         message: String,
         site: Site,
@@ -97,6 +116,11 @@ impl FrameGraph<'_> {
         mode: Mode,
         site: Site,
     ) -> Texture {
+        if view.is_whole()
+            && let Some(again) = self.bind_again(face, node, name, view.texture.0, mode, site)
+        {
+            return Texture(again);
+        }
         let poison = Texture(Raw::POISON);
         let Some(slot) = self.slot(face, node, name, site) else {
             return poison;
@@ -115,7 +139,7 @@ impl FrameGraph<'_> {
             return poison;
         };
         let label = |graph: &Self| graph.resources[resource].label.clone();
-        let binding = &face.reflection.bindings[slot];
+        let binding = &face.reflection.bindings[usize::from(slot)];
         if !self.check_mode(at, name, binding.access, mode, site) {
             return poison;
         }
@@ -181,8 +205,9 @@ impl FrameGraph<'_> {
         }
         let usage = state.texture_usage().bits();
         self.check_usage(resource, usage, site);
-        let access = self.access(node, view.texture.0, range, (mode, state, usage), site);
-        self.bind(node, slot, Bound::Access(access), site);
+        let how = (mode, state, usage);
+        self.access_in(slot, node, view.texture.0, range, how, site);
+        self.bound += 1;
         Texture(self.handle(view.texture.0, mode))
     }
 
@@ -195,6 +220,9 @@ impl FrameGraph<'_> {
         mode: Mode,
         site: Site,
     ) -> Buffer {
+        if let Some(again) = self.bind_again(face, node, name, buffer.0, mode, site) {
+            return Buffer(again);
+        }
         let poison = Buffer(Raw::POISON);
         let Some(slot) = self.slot(face, node, name, site) else {
             return poison;
@@ -212,7 +240,7 @@ impl FrameGraph<'_> {
             return poison;
         };
         let label = |graph: &Self| graph.resources[resource].label.clone();
-        let binding = &face.reflection.bindings[slot];
+        let binding = &face.reflection.bindings[usize::from(slot)];
         if !self.check_mode(at, name, binding.access, mode, site) {
             return poison;
         }
@@ -259,8 +287,8 @@ impl FrameGraph<'_> {
         let usage = state.buffer_usage().bits();
         self.check_usage(resource, usage, site);
         let how = (mode, state, usage);
-        let access = self.access(node, buffer.0, Subresources::ONE, how, site);
-        self.bind(node, slot, Bound::Access(access), site);
+        self.access_in(slot, node, buffer.0, Subresources::ONE, how, site);
+        self.bound += 1;
         Buffer(self.handle(buffer.0, mode))
     }
 
@@ -275,7 +303,7 @@ impl FrameGraph<'_> {
         let Some(slot) = self.slot(face, node, name, site) else {
             return;
         };
-        match &face.reflection.bindings[slot].kind {
+        match &face.reflection.bindings[usize::from(slot)].kind {
             BindingKind::Uniform(layout) if layout.size as usize == bytes.len() => {
                 let what = Bound::Uniform {
                     offset: self.put(bytes),
@@ -310,7 +338,7 @@ impl FrameGraph<'_> {
         let Some(slot) = self.slot(face, node, name, site) else {
             return;
         };
-        match &face.reflection.bindings[slot].kind {
+        match &face.reflection.bindings[usize::from(slot)].kind {
             BindingKind::Sampler { comparison } if *comparison == desc.compare.is_some() => {
                 let desc = wgpu::SamplerDescriptor {
                     label: None,
@@ -372,19 +400,24 @@ impl FrameGraph<'_> {
     }
 
     /// Reports what a kernel needs and the node has not given.
+    #[inline(always)]
     pub(crate) fn check_bound(&mut self, face: &Interface, node: u32) {
-        let n = &self.nodes[node as usize];
-        let (bound, given) = (n.binds.len(), n.groups.len());
+        let given = self.nodes[node as usize].groups.len();
         // No name is bound twice without an error.
-        if self.errors.is_empty() && bound == face.slots && given == face.external.len() {
-            return;
+        let all = self.bound == face.slots && given == face.external.len();
+        if !all || !self.errors.is_empty() {
+            self.report_unbound(face, node);
         }
+    }
+
+    #[cold]
+    fn report_unbound(&mut self, face: &Interface, node: u32) {
+        let n = &self.nodes[node as usize];
         let (label, site) = (n.label.clone(), n.site);
         for slot in 0..face.slots {
-            if !self.binds[n_range(&self.nodes[node as usize].binds)]
-                .iter()
-                .any(|b| b.slot as usize == slot)
-            {
+            let mut bound = self.bindings(&self.nodes[node as usize]);
+            if !bound.any(|(s, _)| usize::from(s) == slot) {
+                drop(bound);
                 let b = &face.reflection.bindings[slot];
                 let message = format!(
                     "`{label}` leaves `{}` of kernel `{}` unbound",
@@ -409,7 +442,7 @@ impl FrameGraph<'_> {
 
     fn check_mode(
         &mut self,
-        at: (u32, usize),
+        at: (u32, u16),
         name: &str,
         access: BindingAccess,
         mode: Mode,

@@ -120,6 +120,14 @@ impl FrameGraph<'_> {
         self.errors.push(error);
     }
 
+    /// What the device can do with the format of a texture.
+    pub(crate) fn shape_caps(&mut self, shape: &Shape) -> Option<FormatCaps> {
+        match shape {
+            Shape::Texture { format, .. } => Some(self.format_caps(*format)),
+            Shape::Buffer { .. } => None,
+        }
+    }
+
     /// What the device can do with a format; a frame has few different ones.
     pub(crate) fn format_caps(&mut self, format: wgpu::TextureFormat) -> FormatCaps {
         if let Some((_, caps)) = self.formats.iter().find(|(f, _)| *f == format) {

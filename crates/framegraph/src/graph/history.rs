@@ -25,6 +25,18 @@ pub(crate) enum Shape {
 }
 
 impl Shape {
+    /// What is asked for in a frame of this size, be it possible or not.
+    #[inline(always)]
+    pub fn asked(desc: TextureDesc, frame: [u32; 2]) -> Shape {
+        Shape::Texture {
+            format: desc.format,
+            size: desc.size.resolve(frame),
+            depth: 0,
+            mips: desc.mips,
+            layers: desc.layers,
+        }
+    }
+
     /// Of a texture that exists.
     pub fn of(texture: &wgpu::Texture) -> Shape {
         let volume = texture.dimension() == wgpu::TextureDimension::D3;

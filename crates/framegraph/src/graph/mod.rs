@@ -1,6 +1,7 @@
 //! The graph as it is declared: flat lists of resources, nodes and accesses.
 
 mod access;
+mod again;
 mod arena;
 mod bind;
 mod check;
@@ -8,7 +9,9 @@ mod fit;
 mod foreign;
 mod history;
 mod key;
+mod list;
 mod nodes;
+mod outside;
 mod switch;
 mod transfer;
 
@@ -25,12 +28,13 @@ pub(crate) use arena::{Arena, Shared};
 pub(crate) use check::FormatCaps;
 pub(crate) use history::{HistoryStates, HistoryUse, RingState, Shape, age_label};
 use key::Word;
+use list::List;
 use switch::StandIn;
 
 use crate::compile::Scratch;
 use crate::debug::Debug;
 use crate::desc::{FrameParams, Load, TextureDesc};
-use crate::error::{Code, GraphError, Site};
+use crate::error::{GraphError, Site};
 use crate::handle::{Buffer, Label, Raw, Subresources, Texture};
 use crate::kernel::Kernel;
 use crate::state::{Mode, State};
@@ -57,10 +61,19 @@ pub struct FrameGraph<'f> {
     pub(crate) debug: Debug,
     pub(crate) states: Arc<HistoryStates>,
     /// What decides the plan, as one stream: see `key`.
-    pub(crate) words: Vec<u64>,
-    pub(crate) resources: Vec<Resource>,
-    pub(crate) nodes: Vec<Node>,
-    pub(crate) accesses: Vec<Access>,
+    pub(crate) words: List<u64>,
+    /// Whether all of it so far is as in the frame before, which had a plan.
+    same: bool,
+    /// The serials of that plan and of this frame's; 0 for none.
+    pub(crate) before: u64,
+    pub(crate) compiled: u64,
+    /// Where this was begun: frames that are begun there are likely to be alike.
+    begun: Site,
+    pub(crate) resources: List<Resource>,
+    /// For each resource its latest version.
+    pub(crate) latest: Vec<u32>,
+    pub(crate) nodes: List<Node>,
+    pub(crate) accesses: List<Access>,
     pub(crate) binds: Vec<Bind>,
     pub(crate) groups: Vec<(u32, wgpu::BindGroup)>,
     /// The different samplers in use.
@@ -81,8 +94,9 @@ pub struct FrameGraph<'f> {
     pub(crate) resets: Vec<(Label, String)>,
     /// What the device can do with the formats asked for so far.
     formats: Vec<(wgpu::TextureFormat, FormatCaps)>,
-    /// Of the node that is being declared.
+    /// Of the node that is being declared: what stands in for its outputs, and how many names are bound.
     stand_ins: Vec<StandIn>,
+    bound: usize,
     pub(crate) scratch: Scratch,
     pub(crate) errors: Vec<GraphError>,
 }
@@ -97,7 +111,6 @@ pub(crate) struct Resource {
     pub allowed: u32,
     /// What a shader can read its texels as.
     pub sample: Option<wgpu::TextureSampleType>,
-    pub latest: u32,
     pub site: Site,
 }
 
@@ -234,6 +247,8 @@ pub(crate) struct Access {
     pub range: Subresources,
     pub mode: Mode,
     pub state: State,
+    /// Index into the kernel's bindings; `UNBOUND` for what is not bound by name.
+    pub slot: u16,
     /// wgpu's bits of the texture or buffer usage.
     pub usage: u32,
     /// The version used; a write makes the next one.
@@ -241,10 +256,14 @@ pub(crate) struct Access {
     pub site: Site,
 }
 
+/// The slot of an access that is not bound by name.
+pub(crate) const UNBOUND: u16 = u16::MAX;
+
+/// What is bound besides accesses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bind {
     /// Index into the kernel's bindings.
-    pub slot: u32,
+    pub slot: u16,
     pub what: Bound,
     pub site: Site,
 }
@@ -280,9 +299,10 @@ impl<'f> FrameGraph<'f> {
         params: FrameParams,
         debug: Debug,
         states: Arc<HistoryStates>,
+        begun: Site,
     ) -> Self {
         static NEXT: AtomicU32 = AtomicU32::new(1);
-        let arena = shared.lend();
+        let arena = shared.lend(begun);
         FrameGraph {
             brand: NEXT.fetch_add(1, Ordering::Relaxed),
             pool,
@@ -292,7 +312,12 @@ impl<'f> FrameGraph<'f> {
             states,
             shared,
             words: arena.words,
+            same: arena.compiled != 0,
+            before: arena.compiled,
+            compiled: 0,
+            begun,
             resources: arena.resources,
+            latest: arena.latest,
             nodes: arena.nodes,
             accesses: arena.accesses,
             binds: arena.binds,
@@ -310,6 +335,7 @@ impl<'f> FrameGraph<'f> {
             resets: Vec::new(),
             formats: arena.formats,
             stand_ins: arena.stand_ins,
+            bound: 0,
             scratch: arena.scratch,
             errors: Vec::new(),
         }
@@ -324,9 +350,13 @@ impl<'f> FrameGraph<'f> {
     #[track_caller]
     pub fn texture(&mut self, name: impl Into<Label>, desc: TextureDesc) -> Texture {
         let site = here();
-        let label = name.into();
-        let shape = self.shape(&label, desc, site);
+        let mut label = name.into();
         let usage = desc.extra_usage.bits();
+        let asked = Shape::asked(desc, self.params.size);
+        if let Some(again) = self.resource_again(&mut label, asked, usage, site) {
+            return Texture(again);
+        }
+        let shape = self.shape(&label, desc, site);
         Texture(self.add(label, Kind::Transient, shape, usage, site))
     }
 
@@ -334,91 +364,12 @@ impl<'f> FrameGraph<'f> {
     #[track_caller]
     pub fn buffer(&mut self, name: impl Into<Label>, bytes: u64) -> Buffer {
         let site = here();
-        let label = name.into();
+        let mut label = name.into();
+        if let Some(again) = self.resource_again(&mut label, Shape::Buffer { bytes }, 0, site) {
+            return Buffer(again);
+        }
         let shape = self.buffer_shape(&label, bytes, site);
         Buffer(self.add(label, Kind::Transient, shape, 0, site))
-    }
-
-    /// The engine's texture. It has contents; what the graph last writes to it is kept from culling.
-    /// Another texture of the same shape may come each frame, at no cost. One that was imported before is the
-    /// same resource still, and its latest version is returned.
-    #[track_caller]
-    pub fn import_texture(&mut self, name: impl Into<Label>, texture: &wgpu::Texture) -> Texture {
-        let import = Import::Texture(texture.clone());
-        let (shape, usage) = (Shape::of(texture), texture.usage().bits());
-        Texture(self.import(name.into(), import, shape, usage, here()))
-    }
-
-    /// The engine's buffer. It has contents; what the graph last writes to it is kept from culling.
-    /// Another buffer of the same size may come each frame, at no cost. One that was imported before is the
-    /// same resource still, and its latest version is returned.
-    #[track_caller]
-    pub fn import_buffer(&mut self, name: impl Into<Label>, buffer: &wgpu::Buffer) -> Buffer {
-        let import = Import::Buffer(buffer.clone());
-        let shape = Shape::Buffer {
-            bytes: buffer.size(),
-        };
-        Buffer(self.import(name.into(), import, shape, buffer.usage().bits(), here()))
-    }
-
-    /// As two resources one texture would have no hazards between what is done to the one and the other.
-    fn import(
-        &mut self,
-        label: Label,
-        import: Import,
-        shape: Shape,
-        allowed: u32,
-        site: Site,
-    ) -> Raw {
-        if let Some(known) = self.imports.iter().position(|i| *i == import) {
-            let known = Kind::Imported(known as u32);
-            let mut resources = (0..).zip(&self.resources);
-            if let Some((resource, r)) = resources.find(|(_, r)| r.kind == known) {
-                return Raw {
-                    brand: self.brand,
-                    resource,
-                    version: r.latest,
-                };
-            }
-        }
-        self.imports.push(import);
-        let kind = Kind::Imported(self.imports.len() as u32 - 1);
-        let raw = self.add(label, kind, shape, 0, site);
-        self.resources[raw.resource as usize].allowed = allowed;
-        raw
-    }
-
-    /// Keeps this version from culling and makes it available as
-    /// [`Pool::exported_texture`](crate::Pool::exported_texture) after encoding, with usage for sampling and copying.
-    #[track_caller]
-    pub fn export_texture(&mut self, key: impl Into<Label>, texture: Texture) {
-        self.export(key.into(), texture.0, here());
-    }
-
-    /// Keeps this version from culling and makes it available as
-    /// [`Pool::exported_buffer`](crate::Pool::exported_buffer) after encoding, with usage for copying.
-    #[track_caller]
-    pub fn export_buffer(&mut self, key: impl Into<Label>, buffer: Buffer) {
-        self.export(key.into(), buffer.0, here());
-    }
-
-    fn export(&mut self, key: Label, raw: Raw, site: Site) {
-        if self.resolve(raw, site).is_none() {
-            return;
-        }
-        if let Some(first) = self.exports.iter().find(|e| e.key == key) {
-            let error = GraphError::new(
-                Code::DuplicateKey,
-                format!("`{key}` is exported twice"),
-                site,
-                "give each export its own key",
-            );
-            let error = error.with("first exported", first.site);
-            self.errors.push(error);
-            return;
-        }
-        self.note(Word::Export, raw.resource.into(), Some(raw.version.into()));
-        self.exports.push(Export { key, raw, site });
     }
 
     /// Width and height in texels of mip 0; `[1, 1]` for a handle that is not of this graph.
@@ -460,24 +411,25 @@ impl<'f> FrameGraph<'f> {
         extra_usage: u32,
         site: Site,
     ) -> Raw {
-        self.note_resource(kind, extra_usage);
-        let (allowed, sample) = match shape {
-            Shape::Texture { format, .. } => {
-                let caps = self.format_caps(format);
-                (caps.allowed, caps.sample)
-            }
-            Shape::Buffer { .. } => (u32::MAX, None),
-        };
-        self.resources.push(Resource {
+        let caps = self.shape_caps(&shape);
+        self.add_resource(Resource {
             label,
             kind,
             shape,
             extra_usage,
-            allowed,
-            sample,
-            latest: 0,
+            allowed: caps.map_or(u32::MAX, |caps| caps.allowed),
+            sample: caps.and_then(|caps| caps.sample),
             site,
-        });
+        })
+    }
+
+    pub(crate) fn add_resource(&mut self, resource: Resource) -> Raw {
+        let alike =
+            |old: &mut Resource| (old.shape, old.allowed) == (resource.shape, resource.allowed);
+        self.same = self.same && self.resources.old().is_some_and(alike);
+        self.note_resource(resource.kind, resource.extra_usage);
+        self.resources.push(resource);
+        self.latest.push(0);
         Raw {
             brand: self.brand,
             resource: self.resources.len() as u32 - 1,
@@ -485,6 +437,7 @@ impl<'f> FrameGraph<'f> {
         }
     }
 
+    #[inline]
     pub(crate) fn begin_node(&mut self, label: Label, site: Site) -> u32 {
         let (accesses, binds, groups) = (
             self.accesses.len() as u32,
@@ -492,6 +445,7 @@ impl<'f> FrameGraph<'f> {
             self.groups.len() as u32,
         );
         self.stand_ins.clear();
+        self.bound = 0;
         self.nodes.push(Node {
             label,
             site,
@@ -511,12 +465,14 @@ impl<'f> FrameGraph<'f> {
         self.nodes[node as usize].switch == Some(false)
     }
 
+    #[inline(always)]
     pub(crate) fn finish_node(&mut self, node: u32, work: Work) {
         self.note_node(node, work);
         self.nodes[node as usize].work = work;
     }
 
     /// The index of a kernel among those of this graph.
+    #[inline(always)]
     pub(crate) fn kernel_index(&mut self, id: u64, kernel: impl FnOnce() -> Kernel) -> u32 {
         let id = id as usize;
         let guess = self.kernel_at.get(id).copied().unwrap_or(0);
@@ -524,8 +480,12 @@ impl<'f> FrameGraph<'f> {
         if known.is_some_and(|k| k.interface().id == id as u64) {
             return guess;
         }
+        self.add_kernel(id, kernel())
+    }
+
+    fn add_kernel(&mut self, id: usize, kernel: Kernel) -> u32 {
         let index = self.kernels.len() as u32;
-        self.kernels.push(kernel());
+        self.kernels.push(kernel);
         if self.kernel_at.len() <= id {
             self.kernel_at.resize(id + 1, 0);
         }
@@ -565,11 +525,19 @@ impl Drop for FrameGraph<'_> {
             list.clear();
             list
         }
+        fn old<T>(list: &mut List<T>) -> List<T> {
+            let mut list = std::mem::take(list);
+            list.begin();
+            list
+        }
         self.shared.take_back(Arena {
-            words: emptied(&mut self.words),
-            resources: emptied(&mut self.resources),
-            nodes: emptied(&mut self.nodes),
-            accesses: emptied(&mut self.accesses),
+            begun: Some(self.begun),
+            compiled: self.compiled,
+            words: old(&mut self.words),
+            resources: old(&mut self.resources),
+            latest: emptied(&mut self.latest),
+            nodes: old(&mut self.nodes),
+            accesses: old(&mut self.accesses),
             binds: emptied(&mut self.binds),
             groups: emptied(&mut self.groups),
             samplers: emptied(&mut self.samplers),

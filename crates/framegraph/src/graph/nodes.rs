@@ -17,6 +17,7 @@ impl<'f> FrameGraph<'f> {
         kernel: &'g ComputeKernel,
     ) -> ComputeNode<'g, 'f> {
         let node = self.begin_node(name.into(), here());
+        self.note_kernel(kernel.0.interface.id);
         ComputeNode {
             graph: self,
             node,
@@ -33,6 +34,7 @@ impl<'f> FrameGraph<'f> {
         kernel: &'g RasterKernel,
     ) -> RasterNode<'g, 'f> {
         let node = self.begin_node(name.into(), here());
+        self.note_kernel(kernel.0.interface.id);
         let first = self.attachments.len();
         RasterNode {
             graph: self,
@@ -206,6 +208,7 @@ impl ComputeNode<'_, '_> {
         self.end(Dispatch::Indirect { access, offset });
     }
 
+    #[inline(always)]
     fn end(self, dispatch: Dispatch) {
         let face = &self.kernel.0.interface;
         self.graph.check_bound(face, self.node);

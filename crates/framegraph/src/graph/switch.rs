@@ -1,7 +1,7 @@
 //! Nodes that may be off in a frame. They stay in the plan, so that nothing else changes with them; what
 //! they would have overwritten holds what the caller names instead: a node that runs while they are off.
 
-use super::{Access, FrameGraph, Shape, Work};
+use super::{Access, FrameGraph, Shape, UNBOUND, Work};
 use crate::error::{Code, GraphError, Site};
 use crate::handle::Raw;
 use crate::state::{Mode, State};
@@ -100,16 +100,21 @@ impl FrameGraph<'_> {
     }
 
     /// Declares the nodes that run while this one is off.
+    #[inline(always)]
     pub(super) fn finish_switch(&mut self, node: u32) {
-        let mut all = std::mem::take(&mut self.stand_ins);
         if let Some(on) = self.nodes[node as usize].switch {
-            for stand_in in &all {
-                let label = self.nodes[node as usize].label.clone();
-                let off = self.begin_node(label, stand_in.site);
-                let n = &mut self.nodes[off as usize];
-                (n.switch, n.stands_in) = (Some(!on), true);
-                self.declare_stand_in(off, stand_in);
-            }
+            self.declare_stand_ins(node, on);
+        }
+    }
+
+    fn declare_stand_ins(&mut self, node: u32, on: bool) {
+        let mut all = std::mem::take(&mut self.stand_ins);
+        for stand_in in &all {
+            let label = self.nodes[node as usize].label.clone();
+            let off = self.begin_node(label, stand_in.site);
+            let n = &mut self.nodes[off as usize];
+            (n.switch, n.stands_in) = (Some(!on), true);
+            self.declare_stand_in(off, stand_in);
         }
         all.clear();
         self.stand_ins = all;
@@ -192,6 +197,7 @@ impl FrameGraph<'_> {
             node,
             mode: Mode::Modify,
             state,
+            slot: UNBOUND,
             usage,
             site,
             ..output

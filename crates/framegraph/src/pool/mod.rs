@@ -27,7 +27,7 @@ use crate::compile::{PlanCounts, Schedule};
 use crate::debug::Debug;
 use crate::desc::FrameParams;
 use crate::encode::Realized;
-use crate::graph::{Caps, FrameGraph, HistoryStates, Shared};
+use crate::graph::{Caps, FrameGraph, HistoryStates, Shared, here};
 use crate::handle::Label;
 use crate::{HistoryInfo, Reset};
 
@@ -111,7 +111,8 @@ impl Pool {
         &mut self.debug
     }
 
-    /// Begins a frame.
+    /// Begins a frame. It costs least where frames that are begun at one place of the program are alike.
+    #[track_caller]
     pub fn frame<'f>(&self, params: FrameParams) -> FrameGraph<'f> {
         FrameGraph::new(
             self.id,
@@ -120,6 +121,7 @@ impl Pool {
             params,
             self.debug.clone(),
             self.states.clone(),
+            here(),
         )
     }
 
