@@ -50,9 +50,11 @@ pub(crate) struct Scratch {
     needed: cull::Needed,
     hazards: hazards::Lists,
     order: order::Lists,
+    slots: slots::Lists,
     states: states::States,
     batches: batches::Lists,
     discards: discards::Lists,
+    users: Vec<u32>,
 }
 
 impl<'f> FrameGraph<'f> {
@@ -70,9 +72,9 @@ impl<'f> FrameGraph<'f> {
         let schedule = match found {
             Some(schedule) => schedule,
             None => {
-                let mut scratch = std::mem::take(&mut self.scratch);
+                let mut scratch = self.scratch.take().unwrap_or_default();
                 let made = self.schedule(&mut scratch);
-                self.scratch = scratch;
+                self.scratch = Some(scratch);
                 made?
             }
         };
@@ -104,9 +106,11 @@ impl<'f> FrameGraph<'f> {
             needed,
             hazards,
             order,
+            slots,
             states,
             batches,
             discards,
+            users,
         } = scratch;
         table.fill(self);
         contents.flow(self, table);
@@ -123,12 +127,12 @@ impl<'f> FrameGraph<'f> {
         order.order(self, s);
         usage::usage(self, s);
         usage::rings(self, s);
-        s.slots = slots::slots(self, &s.order, &s.usage);
+        slots.slots(self, s);
         steps::steps(self, table, states, s);
         batches.batch(self, s);
         discards.discard(self, table, contents, s);
         notices::whole(self, table, contents, &needed.wanted, s);
-        notices::loads(self, contents, s);
+        notices::loads(self, contents, users, s);
         Ok(lock(&self.shared.plans).keep(self, room))
     }
 }

@@ -1,6 +1,6 @@
 //! What is legal and probably not meant, as plain data; its words are found when somebody asks.
 
-use super::{NONE, Schedule, Table, contents::Contents};
+use super::{NONE, Schedule, Table, contents::Contents, reset};
 use crate::error::{Code, Warning};
 use crate::graph::{FrameGraph, Work};
 use crate::plan::StepKind;
@@ -55,12 +55,17 @@ pub(super) fn whole(
 }
 
 /// Loads that could be discards: of what a node only cleared, and that nobody else reads.
-pub(super) fn loads(graph: &FrameGraph<'_>, contents: &Contents, s: &mut Schedule) {
+pub(super) fn loads(
+    graph: &FrameGraph<'_>,
+    contents: &Contents,
+    users: &mut Vec<u32>,
+    s: &mut Schedule,
+) {
     let is_clear = |n: u32| matches!(graph.nodes[n as usize].work, Work::Clear(_));
     if !s.order.iter().any(|&n| is_clear(n)) {
         return;
     }
-    let mut users = vec![0u32; graph.accesses.len()];
+    reset(users, graph.accesses.len(), 0);
     for &n in &s.order {
         for &access in contents.needs(n) {
             users[access as usize] += 1;

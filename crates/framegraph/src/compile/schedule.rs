@@ -46,6 +46,7 @@ impl Schedule {
         self.notices.clear();
         self.bare.clear();
         self.usage.clear();
+        self.slots.clear();
         self.rings.clear();
     }
 }

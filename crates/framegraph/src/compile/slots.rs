@@ -8,7 +8,7 @@
 use std::cmp::Reverse;
 use std::collections::{HashMap, VecDeque};
 
-use super::NONE;
+use super::{NONE, Schedule, reset};
 use crate::graph::{Caps, FrameGraph, Kind, Shape};
 use crate::pool::{Hasher, bytes};
 use crate::state::State;
@@ -88,117 +88,172 @@ pub(crate) struct Slots {
     pub of: Vec<u32>,
 }
 
-/// Finds lifetimes and classes of all transients that are used, and assigns their slots.
-pub(crate) fn slots(graph: &FrameGraph<'_>, order: &[u32], usage: &[Option<u32>]) -> Slots {
-    let (mut tenants, exact) = tenants(graph, order);
-    let mut classes: Vec<ClassNeed> = Vec::new();
-    let mut known = HashMap::<Class, u32, Hasher>::default();
-    for tenant in &mut tenants {
-        let resource = tenant.resource as usize;
-        let shape = &graph.resources[resource].shape;
-        let usage = usage[resource].unwrap_or(0) | free_usage(shape, &graph.caps);
-        let class = class(shape, usage, exact[resource], &graph.caps);
-        tenant.class = *known.entry(class).or_insert_with(|| {
-            classes.push(ClassNeed {
-                class,
-                seen: [false; 2],
-                usage: 0,
-            });
-            classes.len() as u32 - 1
-        });
-        let need = &mut classes[tenant.class as usize];
-        need.usage |= usage;
-        if let Shape::Texture { format, .. } = shape {
-            need.seen[format.is_srgb() as usize] = true;
-        }
-    }
-    let mut slots = assign(&mut tenants, classes.len(), !graph.debug.no_reuse);
-    let mut of = vec![NONE; graph.resources.len()];
-    for tenant in &tenants {
-        of[tenant.resource as usize] = tenant.slot;
-        let slot = &mut slots[tenant.slot as usize];
-        slot.bytes = slot
-            .bytes
-            .max(bytes(&graph.resources[tenant.resource as usize].shape));
-    }
-    let mut by_size: Vec<u32> = (0..slots.len() as u32).collect();
-    by_size.sort_by_key(|&slot| Reverse(slots[slot as usize].bytes));
-    Slots {
-        classes,
-        slots,
-        by_size,
-        tenants,
-        of,
+impl Slots {
+    /// Empties it for another graph.
+    pub fn clear(&mut self) {
+        self.classes.clear();
+        self.slots.clear();
+        self.by_size.clear();
+        self.tenants.clear();
+        self.of.clear();
     }
 }
 
-/// The lifetimes of all transients that are used, and for each resource whether it leaves the graph.
-/// A lifetime is of the whole resource: wgpu cannot give out a part of a texture.
-fn tenants(graph: &FrameGraph<'_>, order: &[u32]) -> (Vec<Tenant>, Vec<bool>) {
-    let mut tenants: Vec<Tenant> = Vec::with_capacity(graph.resources.len());
-    let mut place = vec![NONE; graph.resources.len()];
-    let mut exact = vec![false; graph.resources.len()];
-    for (at, &n) in (0..).zip(order) {
-        let node = &graph.nodes[n as usize];
-        for a in &graph.accesses[node.accesses.start as usize..node.accesses.end as usize] {
-            let resource = a.resource as usize;
-            if !matches!(graph.resources[resource].kind, Kind::Transient) {
-                continue;
-            }
-            exact[resource] |= a.state == State::Foreign;
-            if place[resource] == NONE {
-                place[resource] = tenants.len() as u32;
-                tenants.push(Tenant {
-                    resource: a.resource,
-                    class: 0,
-                    first: at,
-                    last: at,
-                    slot: 0,
+#[derive(Default)]
+pub(crate) struct Lists {
+    /// For each resource its place among the tenants, and whether it leaves the graph.
+    place: Vec<u32>,
+    exact: Vec<bool>,
+    /// The number of each class.
+    known: HashMap<Class, u32, Hasher>,
+    assignment: Assignment,
+}
+
+impl Lists {
+    /// Finds lifetimes and classes of all transients that are used, and assigns their slots.
+    pub fn slots(&mut self, graph: &FrameGraph<'_>, s: &mut Schedule) {
+        self.tenants(graph, &s.order, &mut s.slots.tenants);
+        let Slots {
+            classes,
+            slots,
+            by_size,
+            tenants,
+            of,
+        } = &mut s.slots;
+        self.known.clear();
+        for tenant in &mut *tenants {
+            let resource = tenant.resource as usize;
+            let shape = &graph.resources[resource].shape;
+            let usage = s.usage[resource].unwrap_or(0) | free_usage(shape, &graph.caps);
+            let class = class(shape, usage, self.exact[resource], &graph.caps);
+            tenant.class = *self.known.entry(class).or_insert_with(|| {
+                classes.push(ClassNeed {
+                    class,
+                    seen: [false; 2],
+                    usage: 0,
                 });
+                classes.len() as u32 - 1
+            });
+            let need = &mut classes[tenant.class as usize];
+            need.usage |= usage;
+            if let Shape::Texture { format, .. } = shape {
+                need.seen[format.is_srgb() as usize] = true;
             }
-            tenants[place[resource] as usize].last = at;
+        }
+        let reuse = !graph.debug.no_reuse;
+        (self.assignment).assign(tenants, classes.len(), reuse, slots);
+        reset(of, graph.resources.len(), NONE);
+        for tenant in &*tenants {
+            of[tenant.resource as usize] = tenant.slot;
+            let slot = &mut slots[tenant.slot as usize];
+            slot.bytes = slot
+                .bytes
+                .max(bytes(&graph.resources[tenant.resource as usize].shape));
+        }
+        by_size.extend(0..slots.len() as u32);
+        by_size.sort_unstable_by_key(|&slot| (Reverse(slots[slot as usize].bytes), slot));
+    }
+
+    /// The lifetimes of all transients that are used, and for each resource whether it leaves the graph.
+    /// A lifetime is of the whole resource: wgpu cannot give out a part of a texture.
+    fn tenants(&mut self, graph: &FrameGraph<'_>, order: &[u32], tenants: &mut Vec<Tenant>) {
+        let Lists { place, exact, .. } = self;
+        reset(place, graph.resources.len(), NONE);
+        reset(exact, graph.resources.len(), false);
+        for (at, &n) in (0..).zip(order) {
+            let node = &graph.nodes[n as usize];
+            for a in &graph.accesses[node.accesses.start as usize..node.accesses.end as usize] {
+                let resource = a.resource as usize;
+                if !matches!(graph.resources[resource].kind, Kind::Transient) {
+                    continue;
+                }
+                exact[resource] |= a.state == State::Foreign;
+                if place[resource] == NONE {
+                    place[resource] = tenants.len() as u32;
+                    tenants.push(Tenant {
+                        resource: a.resource,
+                        class: 0,
+                        first: at,
+                        last: at,
+                        slot: 0,
+                    });
+                }
+                tenants[place[resource] as usize].last = at;
+            }
+        }
+        for export in &graph.exports {
+            let resource = export.raw.resource as usize;
+            exact[resource] = true;
+            if let Some(tenant) = tenants.get_mut(place[resource] as usize) {
+                tenant.last = FOREVER;
+            }
         }
     }
-    for export in &graph.exports {
-        let resource = export.raw.resource as usize;
-        exact[resource] = true;
-        if let Some(tenant) = tenants.get_mut(place[resource] as usize) {
-            tenant.last = FOREVER;
-        }
-    }
-    (tenants, exact)
 }
 
-/// Gives each tenant, sorted by first use, a slot of its class that nobody else has meanwhile, and returns
-/// the slots, yet without their sizes. Without `reuse` each gets its own.
-fn assign(tenants: &mut [Tenant], classes: usize, reuse: bool) -> Vec<Slot> {
-    let mut slots = Vec::new();
-    let mut free = vec![VecDeque::new(); classes];
-    let mut leaving: Vec<usize> = (0..tenants.len()).collect();
-    leaving.sort_by_key(|&i| tenants[i].last);
-    let mut leaving = leaving.into_iter().peekable();
-    for i in 0..tenants.len() {
-        let Tenant {
-            resource,
-            class,
-            first,
-            ..
-        } = tenants[i];
-        while let Some(gone) = leaving.next_if(|&gone| reuse && tenants[gone].last < first) {
-            free[tenants[gone].class as usize].push_back(tenants[gone].slot);
+#[derive(Default)]
+struct Assignment {
+    /// For each position the first tenant that is there for the last time, and for each tenant the next.
+    leaving: Vec<u32>,
+    next: Vec<u32>,
+    /// For each class the slots that nobody has.
+    free: Vec<VecDeque<u32>>,
+}
+
+impl Assignment {
+    /// Gives each tenant, sorted by first use, a slot of its class that nobody else has meanwhile, and lists
+    /// the slots, yet without their sizes. Without `reuse` each gets its own.
+    fn assign(
+        &mut self,
+        tenants: &mut [Tenant],
+        classes: usize,
+        reuse: bool,
+        slots: &mut Vec<Slot>,
+    ) {
+        let Assignment {
+            leaving,
+            next,
+            free,
+        } = self;
+        leaving.clear();
+        reset(next, tenants.len(), NONE);
+        for (i, tenant) in (0..tenants.len() as u32).zip(&*tenants).rev() {
+            if tenant.last != FOREVER {
+                let at = tenant.last as usize;
+                leaving.resize(leaving.len().max(at + 1), NONE);
+                next[i as usize] = std::mem::replace(&mut leaving[at], i);
+            }
         }
-        // The one that has been free for longest: what its last tenant did is likely to be over, and
-        // the barrier between the two waits for nothing.
-        tenants[i].slot = free[class as usize].pop_front().unwrap_or_else(|| {
-            slots.push(Slot {
+        free.resize_with(free.len().max(classes), VecDeque::new);
+        free.iter_mut().for_each(VecDeque::clear);
+        let mut at = 0;
+        for i in 0..tenants.len() {
+            let Tenant {
+                resource,
                 class,
-                bytes: 0,
-                first: resource,
+                first,
+                ..
+            } = tenants[i];
+            while reuse && at < first {
+                let mut gone = leaving.get(at as usize).copied().unwrap_or(NONE);
+                while let Some(tenant) = tenants.get(gone as usize) {
+                    free[tenant.class as usize].push_back(tenant.slot);
+                    gone = next[gone as usize];
+                }
+                at += 1;
+            }
+            // The one that has been free for longest: what its last tenant did is likely to be over, and
+            // the barrier between the two waits for nothing.
+            tenants[i].slot = free[class as usize].pop_front().unwrap_or_else(|| {
+                slots.push(Slot {
+                    class,
+                    bytes: 0,
+                    first: resource,
+                });
+                slots.len() as u32 - 1
             });
-            slots.len() as u32 - 1
-        });
+        }
     }
-    slots
 }
 
 fn class(shape: &Shape, usage: u32, exact: bool, caps: &Caps) -> Class {
@@ -247,6 +302,12 @@ fn free_usage(shape: &Shape, caps: &Caps) -> u32 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    fn assign(tenants: &mut [Tenant], classes: usize, reuse: bool) -> Vec<Slot> {
+        let mut slots = Vec::new();
+        Assignment::default().assign(tenants, classes, reuse, &mut slots);
+        slots
+    }
 
     fn tenant((class, first, length): (u32, u32, u32)) -> Tenant {
         Tenant {

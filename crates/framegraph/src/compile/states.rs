@@ -13,6 +13,8 @@ pub(crate) struct States {
     entries: Vec<Entry>,
     /// For each resource the one that had its slot before; `NONE` where nobody had.
     heirs: Vec<u32>,
+    /// For each slot its last tenant so far.
+    last: Vec<u32>,
 }
 
 #[derive(Clone, Copy)]
@@ -58,9 +60,9 @@ impl States {
             self.entries.resize(end, entry);
         }
         reset(&mut self.heirs, graph.resources.len(), NONE);
-        let mut last = vec![NONE; slots.slots.len()];
+        reset(&mut self.last, slots.slots.len(), NONE);
         for tenant in &slots.tenants {
-            let before = std::mem::replace(&mut last[tenant.slot as usize], tenant.resource);
+            let before = std::mem::replace(&mut self.last[tenant.slot as usize], tenant.resource);
             self.heirs[tenant.resource as usize] = before;
         }
     }

@@ -49,7 +49,7 @@ impl<'f> Plan<'f> {
         self.record(encoder, pool, &real);
         for export in &self.graph.exports {
             let physical = real.physical[export.raw.resource as usize].clone();
-            pool.exports.push((export.key.clone(), physical));
+            pool.exports.insert(export.key.clone(), physical);
         }
         pool.realized.insert(0, real);
         self.advance(pool);

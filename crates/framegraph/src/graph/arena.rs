@@ -1,6 +1,7 @@
 //! What a graph lends from its pool: the memory of its lists, so that a frame like the last allocates
 //! nothing.
 
+use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
 use super::list::List;
@@ -10,7 +11,9 @@ use super::{
 };
 use crate::compile::{Plans, Scratch};
 use crate::error::Site;
+use crate::handle::Label;
 use crate::kernel::Kernel;
+use crate::pool::Hasher;
 
 /// Arenas that wait to be used again.
 const KEPT: usize = 8;
@@ -65,8 +68,10 @@ pub(crate) struct Arena {
     pub foreign: Vec<Option<Box<ForeignWork<'static>>>>,
     pub upload: Vec<u8>,
     pub exports: Vec<Export>,
+    pub export_keys: HashMap<Label, Site, Hasher>,
     pub histories: Vec<HistoryUse>,
     pub formats: Vec<(wgpu::TextureFormat, FormatCaps)>,
     pub stand_ins: Vec<StandIn>,
-    pub scratch: Scratch,
+    /// In a box, because graphs are moved about.
+    pub scratch: Option<Box<Scratch>>,
 }

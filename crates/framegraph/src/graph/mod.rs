@@ -15,6 +15,7 @@ mod outside;
 mod switch;
 mod transfer;
 
+use std::collections::HashMap;
 use std::ops::Range;
 use std::panic::Location;
 use std::sync::Arc;
@@ -37,6 +38,7 @@ use crate::desc::{FrameParams, Load, TextureDesc};
 use crate::error::{GraphError, Site};
 use crate::handle::{Buffer, Label, Raw, Subresources, Texture};
 use crate::kernel::Kernel;
+use crate::pool::Hasher;
 use crate::state::{Mode, State};
 
 /// The device's answers that declaration needs.
@@ -89,6 +91,8 @@ pub struct FrameGraph<'f> {
     /// Uniform data and uploads, at offsets that the device accepts.
     pub(crate) upload: Vec<u8>,
     pub(crate) exports: Vec<Export>,
+    /// Where each key is exported.
+    export_keys: HashMap<Label, Site, Hasher>,
     pub(crate) histories: Vec<HistoryUse>,
     /// Histories that this frame resets, and why.
     pub(crate) resets: Vec<(Label, String)>,
@@ -97,7 +101,7 @@ pub struct FrameGraph<'f> {
     /// Of the node that is being declared: what stands in for its outputs, and how many names are bound.
     stand_ins: Vec<StandIn>,
     bound: usize,
-    pub(crate) scratch: Scratch,
+    pub(crate) scratch: Option<Box<Scratch>>,
     pub(crate) errors: Vec<GraphError>,
 }
 
@@ -331,6 +335,7 @@ impl<'f> FrameGraph<'f> {
             foreign: arena.foreign,
             upload: arena.upload,
             exports: arena.exports,
+            export_keys: arena.export_keys,
             histories: arena.histories,
             resets: Vec::new(),
             formats: arena.formats,
@@ -530,6 +535,8 @@ impl Drop for FrameGraph<'_> {
             list.begin();
             list
         }
+        let mut export_keys = std::mem::take(&mut self.export_keys);
+        export_keys.clear();
         self.shared.take_back(Arena {
             begun: Some(self.begun),
             compiled: self.compiled,
@@ -553,10 +560,11 @@ impl Drop for FrameGraph<'_> {
                 .collect(),
             upload: emptied(&mut self.upload),
             exports: emptied(&mut self.exports),
+            export_keys,
             histories: emptied(&mut self.histories),
             formats: std::mem::take(&mut self.formats),
             stand_ins: emptied(&mut self.stand_ins),
-            scratch: std::mem::take(&mut self.scratch),
+            scratch: self.scratch.take(),
         });
     }
 }

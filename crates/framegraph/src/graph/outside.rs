@@ -78,18 +78,19 @@ impl FrameGraph<'_> {
         if self.resolve(raw, site).is_none() {
             return;
         }
-        if let Some(first) = self.exports.iter().find(|e| e.key == key) {
+        if let Some(&first) = self.export_keys.get(&key) {
             let error = GraphError::new(
                 Code::DuplicateKey,
                 format!("`{key}` is exported twice"),
                 site,
                 "give each export its own key",
             );
-            let error = error.with("first exported", first.site);
+            let error = error.with("first exported", first);
             self.errors.push(error);
             return;
         }
         self.note(Word::Export, raw.resource.into(), Some(raw.version.into()));
+        self.export_keys.insert(key.clone(), site);
         self.exports.push(Export { key, raw, site });
     }
 }

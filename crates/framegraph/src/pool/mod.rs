@@ -9,6 +9,7 @@ mod store;
 mod timer;
 mod upload;
 
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, PoisonError};
 
@@ -61,7 +62,7 @@ pub struct Pool {
     pub(crate) views: Vec<wgpu::TextureView>,
     /// What graphs hold that are done with histories.
     pub(crate) no_states: Arc<HistoryStates>,
-    pub(crate) exports: Vec<(Label, Physical)>,
+    pub(crate) exports: HashMap<Label, Physical, Hasher>,
     frames: u64,
     pub(crate) lost: Arc<AtomicBool>,
 }
@@ -93,7 +94,7 @@ impl Pool {
             realized: Vec::new(),
             views: Vec::new(),
             no_states: Arc::default(),
-            exports: Vec::new(),
+            exports: HashMap::default(),
             frames: 0,
             lost: Arc::default(),
         }
@@ -138,8 +139,7 @@ impl Pool {
     }
 
     fn exported(&self, key: &str) -> Option<&Physical> {
-        let found = self.exports.iter().find(|(k, _)| k == key);
-        found.map(|(_, physical)| physical)
+        self.exports.get(key)
     }
 
     /// What is known of a history; `None` before a plan with it was encoded.

@@ -30,6 +30,9 @@ impl Timer {
     /// Forgets the last plan's measurements.
     pub fn begin(&mut self, device: &wgpu::Device, nodes: usize) {
         self.names.clear();
+        if nodes == 0 {
+            return;
+        }
         self.wait.get_or_insert_with(|| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("framegraph wait"),
