@@ -28,16 +28,15 @@ fn main() -> Result<(), Failure> {
     compile_times(&Bench::new(wgpu::Backends::NOOP)?)?;
     println!("\nA frame that was declared before, against hand-written wgpu; medians per pass.");
     println!(
-        "graph: declare, compile, encode. grouped: the same dispatches in one compute pass by hand,"
+        "graph: declare, find the plan, encode, and `declare` is the first two. grouped: the same calls in
+one compute pass by hand. apart: a compute pass for each dispatch by hand. All with finish and submit, but
+for `on top`: what declaring, finding and encoding take beyond encoding by hand. Barriers are batched where
+the name says so: calls more, for fewer barriers.\n"
     );
     println!(
-        "the same calls. apart: a compute pass for each dispatch by hand. All with finish and submit,"
+        "| device | graph | passes | declare, ns | on top, ns | graph, us | grouped, us | graph / grouped | apart, us | apart / graph |"
     );
-    println!("but for `on top`: what declare, compile and encode take beyond encoding by hand.\n");
-    println!(
-        "| device | graph | passes | on top, ns | graph, us | grouped, us | graph / grouped | apart, us | apart / graph |"
-    );
-    println!("|---|---|---:|---:|---:|---:|---:|---:|---:|");
+    println!("|---|---|---:|---:|---:|---:|---:|---:|---:|---:|");
     for (backends, buffers) in [
         (wgpu::Backends::NOOP, 0),
         (wgpu::Backends::NOOP, 10_000),
@@ -52,16 +51,18 @@ fn main() -> Result<(), Failure> {
             0 => bench.name.clone(),
             n => format!("{}, {n} other buffers", bench.name),
         };
-        for (work, frames) in [
-            (Work::chain(100), 300),
-            (Work::fan(100), 300),
-            (Work::diamond(100), 300),
-            (Work::random(100), 300),
-            (Work::chain(10_000), 15),
+        for (work, frames, batched) in [
+            (Work::chain(100), 1000, false),
+            (Work::fan(100), 1000, false),
+            (Work::diamond(100), 1000, false),
+            (Work::random(100), 1000, false),
+            (Work::random(100), 1000, true),
+            (Work::chain(10_000), 30, false),
         ] {
+            let frames = if buffers > 0 { frames / 4 } else { frames };
             // So many passes apart would take minutes beside many buffers.
             if work.passes.len() < 1000 || backends == wgpu::Backends::NOOP && buffers == 0 {
-                bench.frames(&name, &work, frames)?;
+                bench.frames(&name, &work, frames, batched)?;
             }
         }
         drop(others);
@@ -159,7 +160,7 @@ fn compile_times(bench: &Bench) -> Result<(), Failure> {
         let mut cells = Vec::new();
         let mut both = Vec::new();
         let mut name = "";
-        for (count, frames) in [(100, 2000), (10_000, 40)] {
+        for (count, frames) in [(100, 4000), (10_000, 200)] {
             let work = work(count);
             name = work.name;
             let mut pool = Pool::new(&bench.device, &bench.queue);
@@ -273,14 +274,16 @@ impl Bench {
     }
 
     /// The three ways, frame by frame.
-    fn frames(&self, name: &str, work: &Work, frames: u64) -> Result<(), Failure> {
+    fn frames(&self, name: &str, work: &Work, frames: u64, batched: bool) -> Result<(), Failure> {
         let mut pool = Pool::new(&self.device, &self.queue);
+        pool.debug().no_batch = !batched;
         let labels = labels(work);
         let by_hand = ByHand::new(self, work);
         let mut times = Times::default();
         for frame in 0..frames {
             let start = Instant::now();
             let plan = self.declare(&pool, work, &labels, frame).compile()?;
+            let declared = start.elapsed();
             let mut encoder = self.device.create_command_encoder(&Default::default());
             plan.encode(&mut encoder, &mut pool)?;
             let graph_encoded = start.elapsed();
@@ -304,27 +307,36 @@ impl Bench {
             self.wait()?;
             // The first frames make everything.
             if frame >= frames / 10 {
-                times.add([graph_encoded, grouped_encoded, graph, grouped, apart]);
+                times.add([
+                    graph_encoded,
+                    grouped_encoded,
+                    graph,
+                    grouped,
+                    apart,
+                    declared,
+                ]);
             }
         }
         let count = work.passes.len();
         let (medians, fastest) = (times.medians(), times.fastest());
-        let cell = |digits: usize, value: &dyn Fn([f64; 5]) -> f64| {
+        let cell = |digits: usize, value: &dyn Fn([f64; 6]) -> f64| {
             let (median, fastest) = (value(medians), value(fastest));
             format!("{median:.digits$} ({fastest:.digits$})")
         };
         let per_pass = 1.0 / count as f64;
         let cells = [
+            cell(0, &|[.., declared]| declared * per_pass),
             cell(0, &|[graph, grouped, ..]| (graph - grouped) * per_pass),
             cell(2, &|[_, _, graph, ..]| graph * per_pass / 1000.0),
-            cell(2, &|[_, _, _, grouped, _]| grouped * per_pass / 1000.0),
-            cell(2, &|[_, _, graph, grouped, _]| graph / grouped),
-            cell(2, &|[.., apart]| apart * per_pass / 1000.0),
-            cell(1, &|[_, _, graph, _, apart]| apart / graph),
+            cell(2, &|[_, _, _, grouped, ..]| grouped * per_pass / 1000.0),
+            cell(2, &|[_, _, graph, grouped, ..]| graph / grouped),
+            cell(2, &|[.., apart, _]| apart * per_pass / 1000.0),
+            cell(1, &|[_, _, graph, _, apart, _]| apart / graph),
         ];
         println!(
-            "| {name} | {} | {count} | {} |",
+            "| {name} | {}{} | {count} | {} |",
             work.name,
+            if batched { ", batched" } else { "" },
             cells.join(" | ")
         );
         Ok(())

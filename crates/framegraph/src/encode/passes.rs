@@ -46,7 +46,7 @@ impl Plan<'_> {
         });
         let mut last = u32::MAX;
         for step in steps.iter().filter(on) {
-            if !self.batch(step).is_empty() {
+            if !step.batch.is_empty() {
                 self.batch_inside(&mut pass, pool, &real.physical, step);
             }
             let node = step.node as usize;
