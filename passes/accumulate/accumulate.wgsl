@@ -1,6 +1,7 @@
 // Temporal accumulation of a value and of the moments of its luminance, along the footprints of reproject.wgsl:
 //   c' = r x + (1 - r) c,   r = max(r0, n / (N + n)),   N' = min(N + n, max_age)
 //   S2' = r^2 / n + (1 - r)^2 S2                         n samples in x, N in c; without a sample r = 0
+// A confidence k in the history lets it count for N = min(N, n k / (1 - k)) samples, so that it weighs k at most.
 // S2 is the sum of the squared weights of the samples in c': Var(c') = S2' Var(sample), and the variance of the weighted
 // samples expects (1 - S2') Var(sample).
 // L. Dundr, "Progressive Spatiotemporal Variance-Based Path Tracing Filtering", 2018, section 4.1, after C. Schied et al.,
@@ -16,6 +17,7 @@ struct Params {
     has_moments: u32,
     has_samples: u32,
     has_history: u32,
+    has_confidence: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -32,6 +34,7 @@ struct Params {
 @group(0) @binding(11) var next_moments: texture_storage_2d<rg32float, write>;
 @group(0) @binding(12) var next_age: texture_storage_2d<r32float, write>;
 @group(0) @binding(13) var next_weights: texture_storage_2d<r32uint, write>;
+@group(0) @binding(14) var confidence: texture_2d<f32>;
 
 struct State {
     value: vec3f,
@@ -87,6 +90,15 @@ fn fetch(q: vec2i) -> State {
     );
 }
 
+// How many samples of a history of this age count, beside n new ones.
+fn trusted(q: vec2i, age: f32, n: f32) -> f32 {
+    let k = textureLoad(confidence, q, 0).x;
+    if params.has_confidence == 0u || !is_finite(k) || k >= 1.0 {
+        return age;
+    }
+    return min(age, n * max(k, 0.0) / (1.0 - k));
+}
+
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let q = vec2i(id.xy);
@@ -121,14 +133,15 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         store(q, State(past.value, past.moments, squares, past.age));
         return;
     }
+    let age = trusted(q, past.age, n);
     var r = vec2f(1.0);
-    if past.age > 0.0 {
-        r = max(vec2f(params.blend, params.moments_blend), vec2f(n / (past.age + n)));
+    if age > 0.0 {
+        r = max(vec2f(params.blend, params.moments_blend), vec2f(n / (age + n)));
     }
     store(q, State(
         mix(past.value, x.rgb, r.x),
         mix(past.moments, m, r.y),
         r * r / vec2f(n, n_moments) + (1.0 - r) * (1.0 - r) * past.squares,
-        min(past.age + n, params.max_age),
+        min(age + n, params.max_age),
     ));
 }

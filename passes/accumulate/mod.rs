@@ -83,6 +83,9 @@ impl Pass for Accumulate {
             guide("samples", signal::AGE)
                 .optional()
                 .about("samples in each texel's estimate, 0 for none; 1 without it"),
+            guide("confidence", signal::CONFIDENCE)
+                .optional()
+                .about("how far the history may be trusted; wholly without it"),
             guide("view_z", signal::VIEW_Z).about("where there is a surface"),
             guide("normal", signal::NORMAL).about("guide"),
             guide("motion", signal::MOTION).about("where history is"),

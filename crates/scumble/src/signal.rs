@@ -162,6 +162,7 @@ signals! {
     VARIANCE = "variance", R32Float, "variance of the mean luminance";
     AGE = "age", R32Float, "number of samples accumulated";
     WEIGHTS = "weights", R32Uint, "sums of the squared weights of the samples in a mean: of the value, of its moments, 2 x f16";
+    CONFIDENCE = "confidence", R32Float, "how far the history may be trusted, `[0, 1]`";
     MASK = "mask", R32Uint, "0 or not 0; the port says what for";
     DISPLAY = "display", Rgba16Float, "tone mapped, sRGB-encoded, `[0, 1]`";
     PIXEL = "pixel", Rg32Uint, "full-resolution pixel that a grid texel was traced at";

@@ -12,19 +12,39 @@ const TOLERANCE: f64 = 0.02;
 const COSINE: f64 = 0.9;
 
 /// What one frame is fed.
-struct Frame {
-    value: Image,
-    history: Image,
-    moments: Image,
-    samples: Image,
-    guides: Guides,
-    motion: Image,
-    surface_id: Image,
-    past_view_z: Image,
+pub struct Frame {
+    pub value: Image,
+    pub history: Image,
+    pub moments: Image,
+    pub samples: Image,
+    pub guides: Guides,
+    pub motion: Image,
+    pub surface_id: Image,
+    pub past_view_z: Image,
+    pub confidence: Image,
     /// Of the frame before, as this frame is told.
-    before: Guides,
-    before_id: Image,
+    pub before: Guides,
+    pub before_id: Image,
 }
+
+/// What the pass is told.
+#[derive(Clone, Copy)]
+pub struct Rule {
+    pub plane: bool,
+    pub spline: bool,
+    pub search: bool,
+    pub max_age: f64,
+    /// Whether the input is wired.
+    pub confidence: bool,
+}
+
+pub const DEFAULT: Rule = Rule {
+    plane: true,
+    spline: false,
+    search: true,
+    max_age: 65536.0,
+    confidence: false,
+};
 
 /// What the pass keeps of a texel.
 #[derive(Clone, Copy)]
@@ -35,7 +55,7 @@ struct State {
 }
 
 impl Frame {
-    fn random(random: &mut Random, size: [u32; 2]) -> Frame {
+    pub fn random(random: &mut Random, size: [u32; 2]) -> Frame {
         let (guides, before) = (random.guides(size), random.guides(size));
         let id = |random: &mut Random| {
             Image::new(size, |_| {
@@ -60,6 +80,16 @@ impl Frame {
                 [l, l * l + random.range(0.0, 1.0), 0.0, 1.0].map(|v| f64::from(v as f32))
             }),
             samples: Image::new(size, |_| [(random.bits() % 4) as f64, 0.0, 0.0, 1.0]),
+            // None, whole, what is between, and not a number, which is no reason to doubt.
+            confidence: Image::new(size, |_| {
+                let k = match random.bits() % 8 {
+                    0 => 0.0,
+                    1 => 1.0,
+                    2 => f64::NAN,
+                    _ => random.range(0.0, 1.0),
+                };
+                [f64::from(k as f32), 0.0, 0.0, 1.0]
+            }),
             // In 1/256 of a texel, so that f32 and f64 agree on the fraction.
             motion: Image::new(size, |_| {
                 let mut along = |n: u32| {
@@ -83,7 +113,15 @@ impl Frame {
         }
     }
 
-    fn inputs(&self) -> Vec<(&'static str, scumble::Signal, &Image)> {
+    fn inputs(&self, rule: Rule) -> Vec<(&'static str, scumble::Signal, &Image)> {
+        let mut inputs = self.wired();
+        if rule.confidence {
+            inputs.push(("confidence", signal::CONFIDENCE, &self.confidence));
+        }
+        inputs
+    }
+
+    fn wired(&self) -> Vec<(&'static str, scumble::Signal, &Image)> {
         vec![
             ("value", signal::POSITION, &self.value),
             ("history", signal::POSITION, &self.history),
@@ -100,9 +138,9 @@ impl Frame {
         ]
     }
 
-    fn start(&self, with: &str, outputs: &[&str]) -> Session {
+    fn start(&self, rule: Rule, with: &str, outputs: &[&str]) -> Session {
         let mut run = Run::new("accumulate", with, self.value.size);
-        for (port, signal, image) in self.inputs() {
+        for (port, signal, image) in self.inputs(rule) {
             run = run.input(port, Input::any(signal, image));
         }
         run.start(outputs)
@@ -152,7 +190,8 @@ impl Frame {
     }
 
     /// Texels of the frame before and their weights; `None` when f32 cannot tell.
-    fn footprint(&self, q: [u32; 2], plane: bool, spline: bool) -> Option<Vec<([u32; 2], f64)>> {
+    pub fn footprint(&self, q: [u32; 2], rule: Rule) -> Option<Vec<([u32; 2], f64)>> {
+        let Rule { plane, spline, .. } = rule;
         if !crate::common::is_surface(self.past_view_z.x(q)) {
             return Some(vec![]);
         }
@@ -194,6 +233,9 @@ impl Frame {
             }
             return Some(valid);
         }
+        if !rule.search {
+            return Some(valid);
+        }
         let centre = p.map(|v| (v + 0.5).floor() as i64);
         for (y, x) in (-1..2).flat_map(|y| (-1..2).map(move |x| (y, x))) {
             if self.same_surface(q, tap(centre, x, y), plane)? {
@@ -204,7 +246,7 @@ impl Frame {
     }
 
     /// The state after this frame, from the one before it.
-    fn twin(&self, before: Option<&[State]>, plane: bool, spline: bool) -> Vec<Option<State>> {
+    fn twin(&self, before: Option<&[State]>, rule: Rule) -> Vec<Option<State>> {
         self.value.map(|q| {
             let x = self.value.at(q);
             let finite = x[..3].iter().all(|v| v.is_finite());
@@ -225,7 +267,7 @@ impl Frame {
                 age: 0.0,
             };
             let mut weight = 0.0;
-            for (tap, w) in before.map_or(Some(vec![]), |_| self.footprint(q, plane, spline))? {
+            for (tap, w) in before.map_or(Some(vec![]), |_| self.footprint(q, rule))? {
                 let kept = before?[(tap[1] * self.value.size[0] + tap[0]) as usize];
                 let c = self.history.at(tap);
                 if kept.age > 0.0 && is_finite(c) && w != 0.0 {
@@ -248,6 +290,10 @@ impl Frame {
             }
             let n = if is_finite(x) { self.samples.x(q) } else { 0.0 };
             let m = self.moments.at(q);
+            let k = self.confidence.x(q);
+            if rule.confidence && n > 0.0 && k < 1.0 {
+                past.age = past.age.min(n * k / (1.0 - k));
+            }
             let rate = |least: f64| match (n > 0.0, past.age > 0.0) {
                 (false, _) => 0.0,
                 (true, false) => 1.0,
@@ -270,29 +316,36 @@ impl Frame {
                     f64::from(u8::from(past.age + n > 0.0)),
                 ],
                 moments: [0, 1].map(|i| mix(rm, m[i], past.moments[i])),
-                age: past.age + n,
+                // What has no new sample does not age, and so needs no limit.
+                age: (past.age + n).min(if n > 0.0 { rule.max_age } else { f64::INFINITY }),
             })
         })
     }
 }
 
-fn agree(plane: bool, spline: bool) {
+fn agree(rule: Rule) {
     let mut random = Random(31);
     let with = format!(
-        "blend: {BLEND}, moments_blend: {MOMENTS_BLEND}, depth_tolerance: {TOLERANCE}, min_cosine: {COSINE}, depth_test: {}, sampling: {}",
-        if plane { "Plane" } else { "Depth" },
-        if spline { "CatmullRom" } else { "Bilinear" }
+        "blend: {BLEND}, moments_blend: {MOMENTS_BLEND}, depth_tolerance: {TOLERANCE}, min_cosine: {COSINE}, depth_test: {}, sampling: {}, search: {}, max_age: {:?}",
+        if rule.plane { "Plane" } else { "Depth" },
+        if rule.spline {
+            "CatmullRom"
+        } else {
+            "Bilinear"
+        },
+        rule.search,
+        rule.max_age,
     );
     for size in SIZES {
         let frames = [0; 3].map(|_| Frame::random(&mut random, size));
-        let mut session = frames[0].start(&with, &["value", "moments", "age"]);
+        let mut session = frames[0].start(rule, &with, &["value", "moments", "age"]);
         let mut before: Option<Vec<State>> = None;
         for frame in &frames {
-            for (port, _, image) in frame.inputs() {
+            for (port, _, image) in frame.inputs(rule) {
                 session.write(port, image);
             }
             session.render(&FrameInput::still(camera()));
-            let twin = frame.twin(before.as_deref(), plane, spline);
+            let twin = frame.twin(before.as_deref(), rule);
             let [value, moments, age] = ["value", "moments", "age"].map(|port| session.read(port));
             let want = |f: &dyn Fn(&State) -> [f64; 4]| -> Vec<Option<[f64; 4]>> {
                 twin.iter().map(|s| s.as_ref().map(f)).collect()
@@ -319,17 +372,47 @@ fn agree(plane: bool, spline: bool) {
 
 #[test]
 fn agrees_with_its_twin() {
-    agree(true, false);
+    agree(DEFAULT);
 }
 
 #[test]
 fn agrees_with_its_twin_by_depth() {
-    agree(false, false);
+    agree(Rule {
+        plane: false,
+        ..DEFAULT
+    });
 }
 
 #[test]
 fn agrees_with_its_twin_by_splines() {
-    agree(true, true);
+    agree(Rule {
+        spline: true,
+        ..DEFAULT
+    });
+}
+
+#[test]
+fn agrees_with_its_twin_without_search() {
+    agree(Rule {
+        search: false,
+        ..DEFAULT
+    });
+}
+
+#[test]
+fn agrees_with_its_twin_where_age_ends() {
+    agree(Rule {
+        max_age: 2.5,
+        ..DEFAULT
+    });
+}
+
+#[test]
+fn agrees_with_its_twin_by_confidence() {
+    agree(Rule {
+        confidence: true,
+        ..DEFAULT
+    });
 }
 
 /// A flat wall of one surface that does not move.
@@ -348,6 +431,7 @@ fn still(size: [u32; 2], value: Image, history: Image) -> Frame {
         motion: constant(0.0),
         surface_id: constant(1.0),
         past_view_z: constant(3.0),
+        confidence: constant(1.0),
         before: guides(),
         before_id: constant(1.0),
     }
@@ -363,6 +447,7 @@ fn a_blend_of_zero_is_the_mean_of_all_samples_and_counts_them() {
     let empty = Image::new(size, |_| [0.0; 4]);
     let mut frame = still(size, values[0].clone(), empty);
     let mut session = frame.start(
+        DEFAULT,
         "blend: 0, moments_blend: 0",
         &["value", "moments", "age", "weights"],
     );
@@ -410,7 +495,7 @@ fn what_was_hidden_begins_anew() {
     let size = [8, 4];
     let value = Image::new(size, |_| [1.0; 4]);
     let mut frame = still(size, value.clone(), Image::new(size, |_| [5.0; 4]));
-    let mut session = frame.start("", &["value", "age"]);
+    let mut session = frame.start(DEFAULT, "", &["value", "age"]);
     session.render(&FrameInput::still(camera()));
     // Half of the wall shows another surface than before.
     frame.surface_id = Image::new(size, |p| [if p[0] < 4 { 1.0 } else { 2.0 }, 0.0, 0.0, 1.0]);
@@ -422,5 +507,78 @@ fn what_was_hidden_begins_anew() {
             let want = if x < 4 { (3.0, 2.0) } else { (1.0, 1.0) };
             assert_eq!((value[y * 8 + x][0], age[y * 8 + x][0]), want, "{x} {y}");
         }
+    }
+}
+
+/// A wall that was lit by 5 and is lit by 1, `frames` frames later; value and age of one texel.
+fn dimmed(frames: u32, with: &str, confidence: Option<f64>) -> (f32, f32) {
+    let size = [8, 4];
+    let rule = Rule {
+        confidence: confidence.is_some(),
+        ..DEFAULT
+    };
+    let value = Image::new(size, |_| [1.0; 4]);
+    let mut frame = still(size, value, Image::new(size, |_| [5.0; 4]));
+    frame.confidence = Image::new(size, |_| [confidence.unwrap_or(1.0), 0.0, 0.0, 1.0]);
+    let mut session = frame.start(rule, with, &["value", "age"]);
+    // The first frame has no history; every later one is handed the light of before.
+    for _ in 0..=frames {
+        session.render(&FrameInput::still(camera()));
+    }
+    (session.read("value")[9][0], session.read("age")[9][0])
+}
+
+#[test]
+fn age_ends_where_it_is_told_to_and_the_rate_stays_there() {
+    // A mean of all: the 7th frame after the first blends by 1 / (7 + 1), but by 1 / (4 + 1) where history counts for 4.
+    // In f32 the quotients are right to an ulp or two.
+    for (with, r, age) in [("blend: 0", 0.125, 8.0), ("blend: 0, max_age: 4", 0.2, 4.0)] {
+        let (value, found) = dimmed(7, with, None);
+        assert!((value - (5.0 - 4.0 * r)).abs() < 1e-5, "{with}: {value}");
+        assert_eq!(found, age, "{with}");
+    }
+}
+
+#[test]
+fn without_search_a_history_beside_the_four_nearest_is_none() {
+    let size = [9, 5];
+    // Only the column x = 4 shows the same surface as before. By 1.25 texels to the left, columns 5 and 6 meet it among the four
+    // nearest, and column 4 where x - 1 is the centre of the search.
+    let value = Image::new(size, |_| [1.0; 4]);
+    let mut frame = still(size, value, Image::new(size, |_| [5.0; 4]));
+    frame.motion = Image::new(size, |_| {
+        [1.25 / 9.0, 0.0, 0.0, 1.0].map(|v| f64::from(v as f32))
+    });
+    frame.before_id = Image::new(size, |p| [if p[0] == 4 { 1.0 } else { 2.0 }, 0.0, 0.0, 1.0]);
+    for (search, columns) in [("true", 4..=6), ("false", 5..=6)] {
+        let with = format!("search: {search}, depth_test: Depth");
+        let mut session = frame.start(DEFAULT, &with, &["age"]);
+        session.render(&FrameInput::still(camera()));
+        session.render(&FrameInput::still(camera()));
+        let ages = session.read("age");
+        for x in 0..9u32 {
+            let want = if columns.contains(&x) { 2.0 } else { 1.0 };
+            assert_eq!(
+                ages[18 + x as usize][0],
+                want,
+                "search {search}, column {x}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_history_weighs_as_much_as_it_is_trusted_and_is_as_young() {
+    // r = max(blend, 1 - k) and N' = k / (1 - k) + 1, where the history has more than that.
+    for (k, r, age) in [
+        (0.0, 1.0, 1.0),
+        (0.5, 0.5, 2.0),
+        (0.75, 0.25, 4.0),
+        (1.0, 0.2, 8.0),
+    ] {
+        let (value, found) = dimmed(7, "", Some(k));
+        // As above.
+        assert!((value - (5.0 - 4.0 * r)).abs() < 1e-5, "{k}: {value}");
+        assert!((found - age).abs() < 1e-5, "{k}: age {found}");
     }
 }
