@@ -35,6 +35,8 @@ pub mod recombine;
 pub mod sample_mask;
 pub mod select;
 pub mod taa;
+#[path = "temporal-gradient/mod.rs"]
+pub mod temporal_gradient;
 pub mod tonemap;
 pub mod variance;
 
@@ -74,6 +76,7 @@ pub fn registry() -> Registry {
     registry.add::<sample_mask::SampleMask>();
     registry.add::<select::Select>();
     registry.add::<taa::Taa>();
+    registry.add::<temporal_gradient::TemporalGradient>();
     registry.add::<tonemap::Tonemap>();
     registry.add::<variance::Variance>();
     registry

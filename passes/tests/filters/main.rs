@@ -13,5 +13,6 @@ mod recombine;
 mod sample_mask;
 mod select;
 mod taa;
+mod temporal_gradient;
 mod tonemap;
 mod variance;

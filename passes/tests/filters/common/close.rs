@@ -11,7 +11,7 @@ impl Storage {
     /// Arithmetic: 1e-4 relative, f32 with `exp` of arguments up to some tens (Vulkan allows an error of 3 + 2|x| ulp each).
     /// f16: one ulp more, 2^-10 relative for normal numbers and 2^-24 below them. Vulkan leaves it to the driver whether a
     /// store rounds to nearest (half of that) or towards zero, as Mesa's lavapipe does.
-    fn tolerance(self, want: f64) -> f64 {
+    pub fn tolerance(self, want: f64) -> f64 {
         let arithmetic = 1e-4 * want.abs() + 1e-30;
         match self {
             Storage::F32 => arithmetic,

@@ -1,0 +1,175 @@
+#![doc = include_str!("README.md")]
+
+use framegraph::ComputeKernel;
+use scumble::{BuildContext, BuildError, FirstFrame, Pass, PassFrame, Port, RecordError, signal};
+use wgpu::TextureFormat::{Rg32Float, Rg32Uint, Rgba32Float};
+
+pub use crate::accumulate::DepthTest;
+pub use crate::edges::DepthForm;
+
+scumble::params! {
+    /// What `temporal-gradient` can be told.
+    pub struct TemporalGradientParams {
+        /// Half the width of the window that both estimates are filtered over: 3 is 7 x 7.
+        pub radius: u32 = 3, in 1..=8, unit "texels";
+        /// Standard deviation of the window's Gaussian.
+        pub sigma: f32 = 2.0, in 0.01..=1000.0, unit "texels";
+        /// Half the width of the neighbourhood whose filtered histories make the range.
+        pub range: u32 = 1, in 0..=8, unit "texels";
+        /// How many standard deviations outside the range are still noise.
+        pub noise_sigmas: f32 = 2.5, in 0.0..=1000.0;
+        /// How many standard deviations outside the range drop the history.
+        pub change_sigmas: f32 = 5.0, in 0.0..=1000.0;
+        /// Part of the luminance that counts as a standard deviation more.
+        pub tolerance: f32 = 0.01, in 0.0..=1.0;
+        /// Exponent of the cosine between normals.
+        pub sigma_normal: f32 = 64.0, in 0.0..=1024.0;
+        /// Scale of the depth weight.
+        pub sigma_depth: f32 = 1.0, in 0.0..=1000.0;
+        /// Depth that always counts as equal, as a part of the distance.
+        pub depth_epsilon: f32 = 0.005, in 0.0..=1.0;
+        /// Which depth weight.
+        pub depth_form: DepthForm = DepthForm::Slope;
+        /// How a texel of the previous frame is tested by depth, as in `accumulate`.
+        pub depth_test: DepthTest = DepthTest::Plane;
+        /// Largest distance, as a part of the distance from the camera, as in `accumulate`.
+        pub depth_tolerance: f32 = 0.01, in 0.0..=1.0;
+        /// Least cosine between the normals, as in `accumulate`.
+        pub min_cosine: f32 = 0.9, in -1.0..=1.0;
+    }
+}
+
+/// The pass; see the module.
+pub struct TemporalGradient {
+    reproject: ComputeKernel,
+    past: ComputeKernel,
+    estimate: ComputeKernel,
+    confidence: ComputeKernel,
+}
+
+impl Pass for TemporalGradient {
+    type Params = TemporalGradientParams;
+    const NAME: &'static str = "temporal-gradient";
+    const ABOUT: &'static str =
+        "How far a history may be trusted, by how far new samples lie outside of it";
+    const README: &'static str = include_str!("README.md");
+
+    fn inputs() -> Vec<Port> {
+        let guide = |name, signal| Port::new(name, signal).any_resolution();
+        let before = |name, signal, about| {
+            Port::new(name, signal)
+                .any_resolution()
+                .optional()
+                .first(FirstFrame::Skip)
+                .about(about)
+        };
+        vec![
+            Port::any("value").about("this frame's estimate"),
+            Port::any("history")
+                .first(FirstFrame::Skip)
+                .about("what would be continued, of the previous frame"),
+            guide("samples", signal::AGE)
+                .optional()
+                .about("samples in each texel's estimate, 0 for none; 1 without it"),
+            guide("view_z", signal::VIEW_Z).about("where there is a surface"),
+            guide("normal", signal::NORMAL).about("guide"),
+            guide("motion", signal::MOTION).about("where history is"),
+            guide("surface_id", signal::SURFACE_ID)
+                .optional()
+                .about("guide"),
+            guide("past_view_z", signal::VIEW_Z).optional().about(
+                "distance of the same surface point in the previous frame; view_z without it",
+            ),
+            guide("pixel", signal::PIXEL)
+                .optional()
+                .about("which pixel each texel was traced at; cell centres without it"),
+            before(
+                "previous_variance",
+                signal::VARIANCE,
+                "of a frame's estimate, as it was in the previous frame",
+            ),
+            before(
+                "previous_view_z",
+                signal::VIEW_Z,
+                "view_z of the previous frame",
+            ),
+            before(
+                "previous_normal",
+                signal::NORMAL,
+                "normal of the previous frame",
+            ),
+            before(
+                "previous_surface_id",
+                signal::SURFACE_ID,
+                "surface_id of the previous frame",
+            ),
+            before(
+                "previous_pixel",
+                signal::PIXEL,
+                "pixel of the previous frame",
+            ),
+        ]
+    }
+
+    fn outputs() -> Vec<Port> {
+        vec![
+            Port::new("confidence", signal::CONFIDENCE)
+                .any_resolution()
+                .about("1 where the history goes on, 0 where it is of another light"),
+        ]
+    }
+
+    fn build(ctx: &BuildContext<'_>, _p: &TemporalGradientParams) -> Result<Self, BuildError> {
+        let kernel = |file, wgsl| ctx.kernel(file, wgsl, "main");
+        Ok(Self {
+            reproject: kernel(
+                "accumulate/reproject.wgsl",
+                include_str!("../accumulate/reproject.wgsl"),
+            )?,
+            past: kernel("temporal-gradient/past.wgsl", include_str!("past.wgsl"))?,
+            estimate: kernel(
+                "temporal-gradient/estimate.wgsl",
+                include_str!("estimate.wgsl"),
+            )?,
+            confidence: kernel(
+                "temporal-gradient/confidence.wgsl",
+                include_str!("confidence.wgsl"),
+            )?,
+        })
+    }
+
+    fn record(
+        &mut self,
+        _p: &TemporalGradientParams,
+        frame: &mut PassFrame<'_, '_>,
+    ) -> Result<(), RecordError> {
+        let size = frame.size_of("confidence");
+        let footprint = frame.transient("footprint", Rg32Uint, size);
+        let (dispatch, footprint) = frame
+            .dispatch("reproject", &self.reproject)
+            // Bilinear; a texel that only the search finds knows too little of where it was to accuse its history.
+            .set("sampling", 0u32)
+            .set("search", false)
+            .write("footprint", footprint);
+        dispatch.over(size)?;
+
+        let past = frame.transient("past", Rg32Float, size);
+        let (dispatch, past) = frame
+            .dispatch("past", &self.past)
+            .texture("footprint", footprint)
+            .write("past", past);
+        dispatch.over(size)?;
+
+        let estimate = frame.transient("estimate", Rgba32Float, size);
+        let (dispatch, estimate) = frame
+            .dispatch("estimate", &self.estimate)
+            .texture("past", past)
+            .write("estimate", estimate);
+        dispatch.over(size)?;
+
+        frame
+            .dispatch("confidence", &self.confidence)
+            .texture("estimate", estimate)
+            .over(size)
+    }
+}
