@@ -24,6 +24,12 @@ pub mod atrous;
 pub mod bilateral;
 #[path = "shared/edges.rs"]
 pub mod edges;
+#[path = "fast-history/mod.rs"]
+pub mod fast_history;
+#[path = "firefly-clamp/mod.rs"]
+pub mod firefly_clamp;
+#[path = "history-fix/mod.rs"]
+pub mod history_fix;
 #[path = "hole-fill/mod.rs"]
 pub mod hole_fill;
 pub mod jbu;
@@ -68,6 +74,9 @@ pub fn registry() -> Registry {
     registry.add::<accumulate::Accumulate>();
     registry.add::<atrous::Atrous>();
     registry.add::<bilateral::Bilateral>();
+    registry.add::<fast_history::FastHistory>();
+    registry.add::<firefly_clamp::FireflyClamp>();
+    registry.add::<history_fix::HistoryFix>();
     registry.add::<hole_fill::HoleFill>();
     registry.add::<jbu::Jbu>();
     registry.add::<outlier_reject::OutlierReject>();
