@@ -28,6 +28,8 @@ pub mod edges;
 pub mod fast_history;
 #[path = "firefly-clamp/mod.rs"]
 pub mod firefly_clamp;
+#[path = "gradient-samples/mod.rs"]
+pub mod gradient_samples;
 #[path = "history-fix/mod.rs"]
 pub mod history_fix;
 #[path = "hole-fill/mod.rs"]
@@ -76,6 +78,7 @@ pub fn registry() -> Registry {
     registry.add::<bilateral::Bilateral>();
     registry.add::<fast_history::FastHistory>();
     registry.add::<firefly_clamp::FireflyClamp>();
+    registry.add::<gradient_samples::GradientSamples>();
     registry.add::<history_fix::HistoryFix>();
     registry.add::<hole_fill::HoleFill>();
     registry.add::<jbu::Jbu>();

@@ -22,12 +22,14 @@ scumble::params! {
         pub change_sigmas: f32 = 5.0, in 0.0..=1000.0;
         /// Part of the luminance that counts as a standard deviation more.
         pub tolerance: f32 = 0.01, in 0.0..=1.0;
-        /// Exponent of the cosine between normals.
-        pub sigma_normal: f32 = 64.0, in 0.0..=1024.0;
+        /// Half the width of the window of gradient samples, where there are any: 2 is 5 x 5 strata of 3 x 3 texels.
+        pub strata: u32 = 2, in 1..=8, unit "strata";
+        /// Exponent of the cosine between normals; low, so that small and curved things have neighbours to tell their noise by.
+        pub sigma_normal: f32 = 8.0, in 0.0..=1024.0;
         /// Scale of the depth weight.
         pub sigma_depth: f32 = 1.0, in 0.0..=1000.0;
         /// Depth that always counts as equal, as a part of the distance.
-        pub depth_epsilon: f32 = 0.005, in 0.0..=1.0;
+        pub depth_epsilon: f32 = 0.02, in 0.0..=1.0;
         /// Which depth weight.
         pub depth_form: DepthForm = DepthForm::Slope;
         /// How a texel of the previous frame is tested by depth, as in `accumulate`.
@@ -45,6 +47,8 @@ pub struct TemporalGradient {
     past: ComputeKernel,
     estimate: ComputeKernel,
     confidence: ComputeKernel,
+    differences: ComputeKernel,
+    samples: ComputeKernel,
 }
 
 impl Pass for TemporalGradient {
@@ -83,6 +87,13 @@ impl Pass for TemporalGradient {
             guide("pixel", signal::PIXEL)
                 .optional()
                 .about("which pixel each texel was traced at; cell centres without it"),
+            guide("source", signal::PIXEL)
+                .optional()
+                .about("of gradient-samples: whose random numbers each texel has; its samples then tell alone"),
+            Port::any("previous_value")
+                .optional()
+                .first(FirstFrame::Skip)
+                .about("the estimate of the previous frame, for source"),
             before(
                 "previous_variance",
                 signal::VARIANCE,
@@ -135,6 +146,14 @@ impl Pass for TemporalGradient {
                 "temporal-gradient/confidence.wgsl",
                 include_str!("confidence.wgsl"),
             )?,
+            differences: kernel(
+                "temporal-gradient/differences.wgsl",
+                include_str!("differences.wgsl"),
+            )?,
+            samples: kernel(
+                "temporal-gradient/samples.wgsl",
+                include_str!("samples.wgsl"),
+            )?,
         })
     }
 
@@ -144,6 +163,9 @@ impl Pass for TemporalGradient {
         frame: &mut PassFrame<'_, '_>,
     ) -> Result<(), RecordError> {
         let size = frame.size_of("confidence");
+        if frame.input("source").is_some() && frame.input("previous_value").is_some() {
+            return self.by_samples(frame, size);
+        }
         let footprint = frame.transient("footprint", Rg32Uint, size);
         let (dispatch, footprint) = frame
             .dispatch("reproject", &self.reproject)
@@ -170,6 +192,22 @@ impl Pass for TemporalGradient {
         frame
             .dispatch("confidence", &self.confidence)
             .texture("estimate", estimate)
+            .over(size)
+    }
+}
+
+impl TemporalGradient {
+    /// From texels whose random numbers are those of the previous frame.
+    fn by_samples(&self, frame: &mut PassFrame<'_, '_>, size: [u32; 2]) -> Result<(), RecordError> {
+        let strata = size.map(|n| n.div_ceil(3));
+        let differences = frame.transient("differences", Rgba32Float, strata);
+        let (dispatch, differences) = frame
+            .dispatch("differences", &self.differences)
+            .write("differences", differences);
+        dispatch.over(strata)?;
+        frame
+            .dispatch("samples", &self.samples)
+            .texture("differences", differences)
             .over(size)
     }
 }

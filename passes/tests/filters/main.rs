@@ -7,6 +7,7 @@ mod common;
 mod conformance;
 mod fast_history;
 mod firefly_clamp;
+mod gradient_samples;
 mod history_fix;
 mod hole_fill;
 mod jbu;

@@ -419,3 +419,92 @@ fn noise_seldom_accuses_a_history_and_a_change_of_a_deviation_always_does() {
     assert!(dark > 0.99, "{dark}");
     assert!(bright > 0.2, "{bright}");
 }
+
+/// change = |sum w D| / sum w M over the strata around.
+#[test]
+fn agrees_with_its_twin_by_samples() {
+    let mut random = Random(43);
+    let edges = Edges {
+        normal: 16.0,
+        depth: 1.0,
+        epsilon: 0.02,
+        residual: false,
+        slope_limit: 0.0,
+    };
+    for size in SIZES {
+        let frame = Frame::random(&mut random, size);
+        let (value, before) = (&frame.value, random.light_with_a_bad_texel(size));
+        // One texel of most strata, its past anywhere.
+        let mut source = Image::new(size, |_| {
+            [f64::from(u32::MAX), f64::from(u32::MAX), 0.0, 0.0]
+        });
+        let strata = size.map(|n| n.div_ceil(3));
+        let mut differences = Vec::new();
+        for i in 0..strata[0] * strata[1] {
+            let k = random.bits() as u32 % 9;
+            let q = [3 * (i % strata[0]) + k % 3, 3 * (i / strata[0]) + k / 3];
+            let from = size.map(|n| random.bits() as u32 % n);
+            if q[0] >= size[0] || q[1] >= size[1] || random.bits().is_multiple_of(5) {
+                continue;
+            }
+            source.texels[(q[1] * size[0] + q[0]) as usize] =
+                [f64::from(from[0]), f64::from(from[1]), 0.0, 0.0];
+            let (x, y) = (value.at(q), before.at(from));
+            if is_finite(x) && is_finite(y) && frame.guides.is_surface(q) {
+                differences.push((
+                    q,
+                    luminance(x) - luminance(y),
+                    luminance(x).max(luminance(y)),
+                ));
+            }
+        }
+        let mut run = Run::new(
+            "temporal-gradient",
+            "sigma_normal: 16, depth_epsilon: 0.02",
+            size,
+        );
+        for (port, signal, image) in [
+            ("value", signal::POSITION, value),
+            ("history", signal::POSITION, value),
+            ("source", signal::PIXEL, &source),
+            ("previous_value", signal::POSITION, &before),
+            ("view_z", signal::VIEW_Z, &frame.guides.view_z),
+            ("normal", signal::NORMAL, &frame.guides.normal),
+            ("motion", signal::MOTION, &frame.motion),
+        ] {
+            run = run.input(port, Input::any(signal, image));
+        }
+        let twin = frame.value.map(|p| {
+            let (mut d, mut m) = (0.0, 0.0);
+            if frame.guides.is_surface(p) {
+                for (q, difference, most) in &differences {
+                    let near = (0..2).all(|i| (q[i] / 3).abs_diff(p[i] / 3) <= 2);
+                    if near {
+                        let distance: f64 = (0..2)
+                            .map(|i| (f64::from(q[i]) - f64::from(p[i])).powi(2))
+                            .sum();
+                        let sigma: f64 = 1.5 * 2.5;
+                        let w = (-distance / (2.0 * sigma * sigma)).exp()
+                            * edge_weight(&frame.guides, p, *q, &edges);
+                        (d, m) = (d + w * difference, m + w * most);
+                    }
+                }
+            }
+            // What f32 leaves of weights that are mostly 0 is not theirs.
+            if m > 0.0 && m < 1e-12 {
+                return None;
+            }
+            Some([
+                if m > 0.0 {
+                    1.0 - (d.abs() / m).min(1.0)
+                } else {
+                    1.0
+                },
+                0.0,
+                0.0,
+                1.0,
+            ])
+        });
+        assert_near(&run.output("confidence"), &twin);
+    }
+}
