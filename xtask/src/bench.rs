@@ -62,16 +62,17 @@ pub fn run(name: Option<&str>) -> Done {
     }
     setup::run()?;
     if graph {
-        println!("\n{GRAPH}: CPU time of the frame graph beside hand-written wgpu");
-        command::run(cargo(&[
-            "run",
-            "--quiet",
-            "--release",
-            "--package",
-            GRAPH,
-            "--example",
-            "cpu",
-        ]))?;
+        for (example, about) in [
+            (
+                "cpu",
+                "CPU time of the frame graph beside hand-written wgpu",
+            ),
+            ("transitions", "barriers that are made as one"),
+        ] {
+            println!("\n{GRAPH}: {about}");
+            let args = ["run", "--quiet", "--release", "--package", GRAPH];
+            command::run(cargo(&[&args[..], &["--example", example]].concat()))?;
+        }
     }
     for bench in chosen {
         println!("\n{}: {}", bench.name, bench.about);

@@ -143,6 +143,7 @@ pub(super) fn json(s: &Snapshot) -> String {
             j.key("achieved").plain(s.memory.achieved);
             j.key("histories").plain(s.memory.histories);
         });
+        j.key("barriers").plain(s.barriers);
         j.key("warnings")
             .array(&s.warnings, |j, warning| j.string(warning));
     });

@@ -33,6 +33,8 @@ pub struct Snapshot {
     pub exports: Vec<(Label, u32)>,
     /// As [`Plan::memory`].
     pub memory: PlanMemory,
+    /// As [`Plan::barriers`].
+    pub barriers: u32,
     /// As [`Plan::warnings`] says them, without call sites.
     pub warnings: Vec<String>,
     /// The plan as text.
@@ -192,6 +194,7 @@ impl Plan<'_> {
                 .map(|e| (e.key.clone(), e.raw.resource))
                 .collect(),
             memory: self.memory(),
+            barriers: self.barriers(),
             warnings: self
                 .warnings()
                 .iter()
