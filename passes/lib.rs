@@ -41,6 +41,8 @@ pub mod progressive;
 pub mod recombine;
 #[path = "sample-mask/mod.rs"]
 pub mod sample_mask;
+#[path = "scatter-reproject/mod.rs"]
+pub mod scatter_reproject;
 pub mod select;
 pub mod taa;
 #[path = "temporal-gradient/mod.rs"]
@@ -65,6 +67,10 @@ pub fn registry() -> Registry {
         "accumulate/footprint.wgsl",
         include_str!("accumulate/footprint.wgsl"),
     );
+    registry.add_wgsl_module(
+        "scatter-reproject/place.wgsl",
+        include_str!("scatter-reproject/place.wgsl"),
+    );
     // Tracers.
     tracing::add_modules(&mut registry);
     registry.add::<direct_lighting::DirectLighting>();
@@ -86,6 +92,7 @@ pub fn registry() -> Registry {
     registry.add::<progressive::Progressive>();
     registry.add::<recombine::Recombine>();
     registry.add::<sample_mask::SampleMask>();
+    registry.add::<scatter_reproject::ScatterReproject>();
     registry.add::<select::Select>();
     registry.add::<taa::Taa>();
     registry.add::<temporal_gradient::TemporalGradient>();

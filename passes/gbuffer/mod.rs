@@ -8,6 +8,7 @@
 //! |---|---|
 //! | albedo, normal, geo_normal, view_z, position, motion, material, surface_id, emission | of the same name |
 //! | past_view_z | view_z |
+//! | past_position | position |
 
 mod sampling;
 
@@ -103,6 +104,11 @@ impl Pass for Gbuffer {
                 "past_view_z",
                 signal::VIEW_Z,
                 "of the same surface point in the previous frame; -1 behind its camera",
+            ),
+            port(
+                "past_position",
+                signal::POSITION,
+                "of the same surface point in the previous frame",
             ),
             port("material", signal::MATERIAL, "F0 and perceptual roughness"),
             port("surface_id", signal::SURFACE_ID, "0 where the sky is"),
@@ -251,7 +257,10 @@ impl Gbuffer {
                 .texture("visibility", visibility)
                 .over(size)?;
         }
-        if any(frame, &["position", "motion", "past_view_z"]) {
+        if any(
+            frame,
+            &["position", "motion", "past_view_z", "past_position"],
+        ) {
             let dispatch = frame
                 .dispatch("resolve motion", &self.motion)
                 .group(1, scene);

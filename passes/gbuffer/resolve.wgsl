@@ -20,6 +20,7 @@
 @group(0) @binding(11) var out_position: texture_storage_2d<{{position.format}}, write>;
 @group(0) @binding(12) var out_motion: texture_storage_2d<{{motion.format}}, write>;
 @group(0) @binding(13) var out_past_view_z: texture_storage_2d<{{past_view_z.format}}, write>;
+@group(0) @binding(14) var out_past_position: texture_storage_2d<{{past_position.format}}, write>;
 
 // Motion of what was behind the camera in the previous frame: history is read outside the image from every pixel.
 const NEVER_SEEN: f32 = 2.0;
@@ -114,6 +115,7 @@ fn resolve_motion(@builtin(global_invocation_id) id: vec3u) {
     }
     let seen = look(id.xy);
     var position = vec4f(0.0);
+    var before = vec4f(0.0);
     var motion = vec2f(0.0);
     var past_view_z = select(SKY_Z, HOLE_Z, seen.is_hole);
     if seen.is_sky && !seen.is_hole {
@@ -121,7 +123,7 @@ fn resolve_motion(@builtin(global_invocation_id) id: vec3u) {
         motion = motion_of(vec4f(seen.direction, 0.0), vec4f(seen.direction, 0.0));
     } else if !seen.is_hole {
         position = vec4f(seen.surface.position, 1.0);
-        let before = vec4f(seen.surface.previous_position, 1.0);
+        before = vec4f(seen.surface.previous_position, 1.0);
         motion = motion_of(position, before);
         // Clip w is the distance along the view axis; behind the camera nothing was seen.
         let w = (params.previous_clip_from_world * before).w;
@@ -130,4 +132,5 @@ fn resolve_motion(@builtin(global_invocation_id) id: vec3u) {
     textureStore(out_position, id.xy, position);
     textureStore(out_motion, id.xy, vec4f(motion, 0.0, 0.0));
     textureStore(out_past_view_z, id.xy, vec4f(past_view_z, 0.0, 0.0, 0.0));
+    textureStore(out_past_position, id.xy, before);
 }

@@ -15,6 +15,7 @@ mod outlier_reject;
 mod progressive;
 mod recombine;
 mod sample_mask;
+mod scatter_reproject;
 mod select;
 mod taa;
 mod temporal_gradient;
