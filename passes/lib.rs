@@ -35,6 +35,8 @@ pub mod history_fix;
 #[path = "hole-fill/mod.rs"]
 pub mod hole_fill;
 pub mod jbu;
+#[path = "occlusion-reject/mod.rs"]
+pub mod occlusion_reject;
 #[path = "outlier-reject/mod.rs"]
 pub mod outlier_reject;
 pub mod progressive;
@@ -68,6 +70,10 @@ pub fn registry() -> Registry {
         include_str!("accumulate/footprint.wgsl"),
     );
     registry.add_wgsl_module(
+        "occlusion-reject/motion.wgsl",
+        include_str!("occlusion-reject/motion.wgsl"),
+    );
+    registry.add_wgsl_module(
         "scatter-reproject/place.wgsl",
         include_str!("scatter-reproject/place.wgsl"),
     );
@@ -88,6 +94,7 @@ pub fn registry() -> Registry {
     registry.add::<history_fix::HistoryFix>();
     registry.add::<hole_fill::HoleFill>();
     registry.add::<jbu::Jbu>();
+    registry.add::<occlusion_reject::OcclusionReject>();
     registry.add::<outlier_reject::OutlierReject>();
     registry.add::<progressive::Progressive>();
     registry.add::<recombine::Recombine>();

@@ -11,6 +11,7 @@ mod gradient_samples;
 mod history_fix;
 mod hole_fill;
 mod jbu;
+mod occlusion_reject;
 mod outlier_reject;
 mod progressive;
 mod recombine;
