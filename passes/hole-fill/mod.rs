@@ -17,6 +17,7 @@ pub struct HoleFill {
     shape: ComputeKernel,
     colours: ComputeKernel,
     motion: ComputeKernel,
+    values: [ComputeKernel; 4],
 }
 
 /// What a level of the pyramid is made of, and in which format.
@@ -50,24 +51,34 @@ impl Pass for HoleFill {
     const README: &'static str = include_str!("README.md");
 
     fn inputs() -> Vec<Port> {
+        let value = Port::any("value").full().optional();
         signals()
             .map(|(name, signal, optional)| Port {
                 optional,
                 ..Port::new(name, signal).about("with holes, where view_z is -1")
             })
-            .into()
+            .into_iter()
+            .chain([value.about("with texels that have no value, where alpha is 0")])
+            .collect()
     }
 
     fn outputs() -> Vec<Port> {
+        let value = Port::any("value").full();
         signals()
-            .map(|(name, signal, _)| Port::new(name, signal).optional().about("without holes"))
-            .into()
+            .map(|(name, signal, _)| Port::new(name, signal))
+            .into_iter()
+            .chain([value])
+            .map(|port| port.optional().about("without holes"))
+            .collect()
     }
 
     fn bypass() -> Vec<Bypass> {
-        signals()
-            .map(|(name, _, _)| Bypass::alias(name, name))
-            .into()
+        let names = signals().map(|(name, _, _)| name);
+        names
+            .into_iter()
+            .chain(["value"])
+            .map(|name| Bypass::alias(name, name))
+            .collect()
     }
 
     fn build(ctx: &BuildContext<'_>, _p: &HoleFillParams) -> Result<Self, BuildError> {
@@ -78,7 +89,15 @@ impl Pass for HoleFill {
                 entry,
             )
         };
+        let values =
+            |entry| ctx.kernel("hole-fill/values.wgsl", include_str!("values.wgsl"), entry);
         Ok(Self {
+            values: [
+                values("down_values")?,
+                values("down_level")?,
+                values("up_level")?,
+                values("fill_values")?,
+            ],
             down_first: kernel("down_first")?,
             down: kernel("down")?,
             up: kernel("up")?,
@@ -93,6 +112,12 @@ impl Pass for HoleFill {
         _p: &HoleFillParams,
         frame: &mut PassFrame<'_, '_>,
     ) -> Result<(), RecordError> {
+        if frame.wants("value") {
+            self.fill_values(frame)?;
+        }
+        if !signals().iter().any(|(name, ..)| frame.wants(name)) {
+            return Ok(());
+        }
         let full = frame.full_size();
         let mut levels: Vec<Level> = Vec::new();
         let mut size = full;
@@ -139,6 +164,49 @@ impl Pass for HoleFill {
             }
         }
         Ok(())
+    }
+}
+
+impl HoleFill {
+    /// The texels without a value, from a pyramid of those that have one.
+    fn fill_values(&self, frame: &mut PassFrame<'_, '_>) -> Result<(), RecordError> {
+        let [down_values, down_level, up_level, fill] = &self.values;
+        let full = frame.full_size();
+        let mut levels: Vec<([u32; 2], Texture)> = Vec::new();
+        let mut size = full;
+        loop {
+            size = size.map(|n| n.div_ceil(3));
+            let next = frame.transient("value level", Rgba32Float, size);
+            let dispatch = match levels.last() {
+                None => frame.dispatch("down values", down_values),
+                Some(&(_, fine)) => frame
+                    .dispatch("down values", down_level)
+                    .texture("fine_value", fine),
+            };
+            let (dispatch, next) = dispatch.write("next_value", next);
+            dispatch.over(size)?;
+            levels.push((size, next));
+            if size == [1, 1] {
+                break;
+            }
+        }
+        let Some((_, mut coarse)) = levels.pop() else {
+            return Ok(());
+        };
+        while let Some((size, fine)) = levels.pop() {
+            let next = frame.transient("value filled", Rgba32Float, size);
+            let (dispatch, next) = frame
+                .dispatch("up values", up_level)
+                .texture("fine_value", fine)
+                .texture("coarse_value", coarse)
+                .write("next_value", next);
+            dispatch.over(size)?;
+            coarse = next;
+        }
+        frame
+            .dispatch("fill values", fill)
+            .texture("coarse_value", coarse)
+            .over(full)
     }
 }
 

@@ -192,3 +192,103 @@ fn agrees_with_its_twin() {
         }
     }
 }
+
+/// A colour and whether there is one.
+type Value = Option<[f64; 3]>;
+
+fn mean_value(taps: &[(f64, Value)]) -> Value {
+    let weight: f64 = taps.iter().filter(|t| t.1.is_some()).map(|t| t.0).sum();
+    let sum = |c: usize| {
+        taps.iter()
+            .filter_map(|(w, v)| Some(w * v.as_ref()?[c]))
+            .sum::<f64>()
+    };
+    (weight > 0.0).then(|| [0, 1, 2].map(|c| sum(c) / weight))
+}
+
+/// The twin of the pyramid of values.
+fn fill_values(size: [u32; 2], values: &[Value]) -> Vec<Value> {
+    let at =
+        |size: [u32; 2], values: &[Value], p: [u32; 2]| values[(p[1] * size[0] + p[0]) as usize];
+    let coarse_size = size.map(|n| n.div_ceil(3));
+    let places = |size: [u32; 2]| (0..size[0] * size[1]).map(move |i| [i % size[0], i / size[0]]);
+    let mut coarse: Vec<Value> = places(coarse_size)
+        .map(|p| {
+            let inside = (0..9)
+                .map(|i| [3 * p[0] + i % 3, 3 * p[1] + i / 3])
+                .filter(|q| q[0] < size[0] && q[1] < size[1]);
+            mean_value(
+                &inside
+                    .map(|q| (1.0, at(size, values, q)))
+                    .collect::<Vec<_>>(),
+            )
+        })
+        .collect();
+    if coarse_size != [1, 1] {
+        coarse = fill_values(coarse_size, &coarse);
+    }
+    places(size)
+        .map(|p| {
+            at(size, values, p).or_else(|| {
+                let place = p.map(|v| (f64::from(v) + 0.5) / 3.0 - 0.5);
+                let taps = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| {
+                    let along = |i: usize, d: i64| {
+                        let q = (place[i].floor() as i64 + d)
+                            .clamp(0, i64::from(coarse_size[i]) - 1)
+                            as u32;
+                        let f = place[i] - place[i].floor();
+                        (q, if d == 1 { f } else { 1.0 - f })
+                    };
+                    let ((qx, wx), (qy, wy)) = (along(0, x), along(1, y));
+                    (wx * wy, at(coarse_size, &coarse, [qx, qy]))
+                });
+                mean_value(&taps)
+            })
+        })
+        .collect()
+}
+
+#[test]
+fn values_agree_with_their_twin() {
+    let mut random = Random(59);
+    for size in SIZES {
+        let guides = random.guides(size);
+        let mut value = random.light_with_a_bad_texel(size);
+        for c in &mut value.texels {
+            c[3] = f64::from(u8::from(random.bits().is_multiple_of(8)));
+        }
+        let has = |p: [u32; 2]| {
+            guides.is_surface(p) && crate::common::is_finite(value.at(p)) && value.at(p)[3] > 0.0
+        };
+        let values = value.map(|p| has(p).then(|| [0, 1, 2].map(|c| value.at(p)[c])));
+        let filled = fill_values(size, &values);
+        let want = value.map(|p| {
+            let c = value.at(p);
+            Some(
+                match (
+                    guides.is_surface(p),
+                    filled[(p[1] * size[0] + p[0]) as usize],
+                ) {
+                    (true, Some([r, g, b])) => [r, g, b, 1.0],
+                    (true, None) => [0.0; 4],
+                    (false, _) if crate::common::is_finite(c) => c,
+                    (false, _) => [0.0; 4],
+                },
+            )
+        });
+        let got = Run::new("hole-fill", "", size)
+            .input("view_z", Input::any(signal::VIEW_Z, &guides.view_z))
+            .input("normal", Input::any(signal::NORMAL, &guides.normal))
+            .input("value", Input::any(signal::POSITION, &value))
+            .output("value");
+        assert_close("value", &got, &want, Storage::F32);
+        // No hole is left where anything has a value.
+        let any = values.iter().any(Option::is_some);
+        let holes = guides
+            .view_z
+            .map(|p| guides.is_surface(p))
+            .into_iter()
+            .zip(&got);
+        assert!(holes.filter(|(surface, c)| *surface && c[3] == 0.0).count() == 0 || !any);
+    }
+}
