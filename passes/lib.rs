@@ -30,6 +30,8 @@ pub mod fast_history;
 pub mod firefly_clamp;
 #[path = "gradient-samples/mod.rs"]
 pub mod gradient_samples;
+#[path = "guide-variance/mod.rs"]
+pub mod guide_variance;
 #[path = "history-fix/mod.rs"]
 pub mod history_fix;
 #[path = "hole-fill/mod.rs"]
@@ -91,6 +93,7 @@ pub fn registry() -> Registry {
     registry.add::<fast_history::FastHistory>();
     registry.add::<firefly_clamp::FireflyClamp>();
     registry.add::<gradient_samples::GradientSamples>();
+    registry.add::<guide_variance::GuideVariance>();
     registry.add::<history_fix::HistoryFix>();
     registry.add::<hole_fill::HoleFill>();
     registry.add::<jbu::Jbu>();

@@ -30,6 +30,7 @@ struct Params {
     has_age: u32,
     has_surface_id: u32,
     has_level_variance: u32,
+    has_guide_variance: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -41,6 +42,7 @@ struct Params {
 @group(0) @binding(6) var age: texture_2d<f32>;
 @group(0) @binding(7) var out_value: texture_storage_2d<{{value.format}}, write>;
 @group(0) @binding(8) var out_variance: texture_storage_2d<r32float, write>;
+@group(0) @binding(10) var guide_variance: texture_2d<f32>;
 @group(0) @binding(9) var out_first: texture_storage_2d<{{first.format}}, write>;
 
 const LUMINANCE_NONE: u32 = 2u;
@@ -62,6 +64,12 @@ fn age_at(p: vec2i) -> f32 {
 fn variance_at(p: vec2i) -> f32 {
     let v = textureLoad(level_variance, p, 0).x;
     return select(0.0, max(v, 0.0), params.has_level_variance != 0u && is_finite(v));
+}
+
+// Variance of normal and relative distance within a texel.
+fn guide_variance_at(p: vec2i) -> vec2f {
+    let v = textureLoad(guide_variance, p, 0).xy;
+    return select(vec2f(0.0), max(v, vec2f(0.0)), params.has_guide_variance != 0u && is_finite(v.x) && is_finite(v.y));
 }
 
 // A texel that carries a value: on a surface, finite, and with a sample or filled by a level before, as its alpha says.
@@ -101,7 +109,8 @@ fn filtered(p: vec2i, size: vec2i) -> Filtered {
     let n_p = octahedral_decode(textureLoad(normal, p, 0).x);
     let id_p = textureLoad(surface_id, p, 0).x;
     let gradient = depth_gradient(view_z, p, z_p);
-    let how = DepthWeight(params.depth_form, params.sigma_depth, params.depth_epsilon, params.slope_limit);
+    let g_p = guide_variance_at(p);
+    var how = DepthWeight(params.depth_form, params.sigma_depth, params.depth_epsilon, params.slope_limit);
     let by_surface = params.match_surface != 0u && params.has_surface_id != 0u;
 
     // A texel without a value of its own takes its neighbours', however bright they are.
@@ -136,13 +145,17 @@ fn filtered(p: vec2i, size: vec2i) -> Filtered {
             let v_q = variance_at(q);
             if x != 0 || y != 0 {
                 let z_q = textureLoad(view_z, q, 0).x;
+                // What varies within the texels keeps them less apart: passes/guide-variance.
+                let spread = g_p + guide_variance_at(q);
+                how.epsilon = params.depth_epsilon + sqrt(spread.y);
+                let sigma_normal = params.sigma_normal / (1.0 + 0.5 * params.sigma_normal * spread.x);
                 w *= strength
-                    * normal_weight(n_p, octahedral_decode(textureLoad(normal, q, 0).x), params.sigma_normal)
+                    * normal_weight(n_p, octahedral_decode(textureLoad(normal, q, 0).x), sigma_normal)
                     * depth_weight(z_p, z_q, gradient, vec2f(d), how);
                 if by_luminance {
                     let v = select(v_p, min(v_p, v_q), params.variance_at == VARIANCE_MINIMUM);
-                    let spread = select(sqrt(v), v, params.luminance == LUMINANCE_VARIANCE);
-                    w *= exp(-abs(l_p - luminance709(c_q.rgb)) / (params.sigma_luminance * spread + epsilon + 1e-20));
+                    let noise = select(sqrt(v), v, params.luminance == LUMINANCE_VARIANCE);
+                    w *= exp(-abs(l_p - luminance709(c_q.rgb)) / (params.sigma_luminance * noise + epsilon + 1e-20));
                 }
             }
             sum += w * c_q;

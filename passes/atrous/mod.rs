@@ -132,6 +132,9 @@ impl Pass for Atrous {
             port("age", signal::AGE)
                 .optional()
                 .about("samples in the value; 1 without it"),
+            port("guide_variance", signal::GUIDE_VARIANCE)
+                .optional()
+                .about("of the guides within a texel: where they vary they keep less apart"),
         ]
     }
 

@@ -161,6 +161,7 @@ signals! {
     MOMENTS = "moments", Rg32Float, "`E[L]` and `E[L^2]` of the luminance of one named signal";
     VARIANCE = "variance", R32Float, "variance of the mean luminance";
     AGE = "age", R32Float, "number of samples accumulated";
+    GUIDE_VARIANCE = "guide_variance", Rgba16Float, "variance within a pixel of normal, of view_z over its square, of the luminance of k_d; samples";
     WEIGHTS = "weights", R32Uint, "sums of the squared weights of the samples in a mean: of the value, of its moments, 2 x f16";
     CONFIDENCE = "confidence", R32Float, "how far the history may be trusted, `[0, 1]`";
     MASK = "mask", R32Uint, "0 or not 0; the port says what for";

@@ -18,6 +18,7 @@ struct Rule {
     surfaces: bool,
     fade: f64,
     feedback: f64,
+    loose: bool,
 }
 
 const DEFAULT: Rule = Rule {
@@ -37,6 +38,7 @@ const DEFAULT: Rule = Rule {
     surfaces: false,
     fade: 0.0,
     feedback: 0.0,
+    loose: false,
 };
 const SIGMA: f64 = 4.0;
 const EPSILON: f64 = 0.1;
@@ -47,6 +49,7 @@ struct Case {
     age: Image,
     surface_id: Image,
     guides: Guides,
+    guide_variance: Image,
 }
 
 impl Case {
@@ -67,6 +70,10 @@ impl Case {
             age: Image::new(size, |_| [(random.bits() % 8) as f64, 0.0, 0.0, 1.0]),
             surface_id: Image::new(size, |_| [(1 + random.bits() % 2) as f64, 0.0, 0.0, 1.0]),
             guides: random.guides(size),
+            guide_variance: Image::new(size, |_| {
+                [0.3, 0.1, 0.0, 0.0]
+                    .map(|most| half::f16::from_f64(random.range(0.0, 1.0) * most).to_f64())
+            }),
         }
     }
 
@@ -124,7 +131,13 @@ impl Case {
             }
             let mut w = kernel[(x + radius) as usize] * kernel[(y + radius) as usize];
             if (x, y) != (0, 0) {
-                w *= edge_weight(&self.guides, p, q, &rule.edges);
+                let mut edges = rule.edges;
+                if rule.loose {
+                    let [g, h] = [p, q].map(|p| self.guide_variance.at(p));
+                    edges.normal /= 1.0 + 0.5 * edges.normal * (g[0] + h[0]);
+                    edges.epsilon += (g[1] + h[1]).sqrt();
+                }
+                w *= edge_weight(&self.guides, p, q, &edges);
                 if own && rule.fade > 0.0 {
                     w *= (1.0 - age / rule.fade).max(0.0);
                 }
@@ -204,8 +217,14 @@ impl Case {
             rule.fade,
             rule.feedback,
         );
-        Run::new("atrous", &with, self.value.size)
-            .input("value", Input::any(signal::POSITION, &self.value))
+        let mut run = Run::new("atrous", &with, self.value.size);
+        if rule.loose {
+            run = run.input(
+                "guide_variance",
+                Input::any(signal::GUIDE_VARIANCE, &self.guide_variance),
+            );
+        }
+        run.input("value", Input::any(signal::POSITION, &self.value))
             .input("variance", Input::any(signal::VARIANCE, &self.variance))
             .input("age", Input::any(signal::AGE, &self.age))
             .input(
@@ -254,6 +273,10 @@ fn agrees_with_its_twin() {
                 ..edges
             },
             luminance: "Off",
+            ..DEFAULT
+        },
+        Rule {
+            loose: true,
             ..DEFAULT
         },
     ];

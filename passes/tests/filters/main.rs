@@ -8,6 +8,7 @@ mod conformance;
 mod fast_history;
 mod firefly_clamp;
 mod gradient_samples;
+mod guide_variance;
 mod history_fix;
 mod hole_fill;
 mod jbu;
