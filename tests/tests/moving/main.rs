@@ -251,3 +251,49 @@ fn motion(name: &str, scene: &Scene, moves: Moves) {
         );
     }
 }
+
+#[test]
+fn table_of_thresholds() {
+    let Some((_, scene)) = stages().into_iter().next() else {
+        return;
+    };
+    let scene = Moves::Light.of(&scene);
+    let shot = |frame: u32| Shot {
+        scene: 0,
+        time: TIME + frame as f32 / 30.0,
+    };
+    let [stale, now] = [8, 16].map(|frame| reference(&scene, shot(frame).time, 48, SIZE));
+    let everywhere = Mask::of(&now, |_| true);
+    println!(
+        "| noise_sigmas, change_sigmas, range | ghost | relMSE | relMSE, still | deviation, still |"
+    );
+    println!("|---|---|---|---|---|");
+    for [low, high, range] in [
+        ["2.5", "5", "1"],
+        ["1.5", "4", "1"],
+        ["1.5", "4", "0"],
+        ["1", "3", "1"],
+    ] {
+        let set = [
+            ("gbuffer.jitter", "Off"),
+            ("e/temporal-gradient.noise_sigmas", low),
+            ("e/temporal-gradient.change_sigmas", high),
+            ("e/temporal-gradient.range", range),
+        ];
+        let mut player = Player::set(WITH, &set, std::slice::from_ref(&scene), SIZE).tap(FILTERED);
+        player.begin(0);
+        (0..=16).for_each(|frame| player.render(shot(frame)));
+        let last = player.tapped(FILTERED);
+        let ghost = ghost_energy(&last, &now, &stale, &everywhere).unwrap();
+        let moved = relmse(&last, &now).unwrap();
+        player.begin(0);
+        let still = [(); 14].map(|()| {
+            player.render(shot(16));
+            player.tapped(FILTERED)
+        });
+        let [error, deviation] = noise(&still, 8, &now);
+        println!(
+            "| {low}, {high}, {range} | {ghost:.3} | {moved:.4} | {error:.4} | {deviation:.5} |"
+        );
+    }
+}

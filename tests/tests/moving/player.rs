@@ -31,7 +31,8 @@ impl Player {
         Player::set(graph, &[("gbuffer.jitter", "Off")], scenes, size)
     }
 
-    fn set(graph: &str, set: &[(&str, &str)], scenes: &[Scene], size: [u32; 2]) -> Player {
+    /// With parameters set as on the command line.
+    pub fn set(graph: &str, set: &[(&str, &str)], scenes: &[Scene], size: [u32; 2]) -> Player {
         let (device, queue) = gpu();
         let set = set.iter().map(|&(name, value)| (name.into(), value.into()));
         let edits = Edits {
