@@ -13,14 +13,17 @@ struct Frame {
     albedo: Image,
 }
 
-/// Every sample of a pixel with its weight in the mean, oldest first, and the mean of distances.
+/// Weight in the mean, normal, distance, luminance of k_d.
+type Sample = (f64, [f64; 3], f64, f64);
+
+/// Every sample of a pixel, oldest first.
 #[derive(Clone, Default)]
 struct State {
-    samples: Vec<(f64, [f64; 3], f64, f64)>,
+    samples: Vec<Sample>,
 }
 
 impl State {
-    fn mean(&self, f: impl Fn(&(f64, [f64; 3], f64, f64)) -> f64) -> f64 {
+    fn mean(&self, f: impl Fn(&Sample) -> f64) -> f64 {
         self.samples.iter().map(|s| s.0 * f(s)).sum()
     }
 
@@ -35,7 +38,7 @@ impl State {
 
     /// Of normal, distance over its square, luminance; samples.
     fn variance(&self) -> [f64; 4] {
-        let spread = |f: &dyn Fn(&(f64, [f64; 3], f64, f64)) -> f64| {
+        let spread = |f: &dyn Fn(&Sample) -> f64| {
             let mean = self.mean(f);
             self.mean(|s| (f(s) - mean).powi(2))
         };
