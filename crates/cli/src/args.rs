@@ -52,12 +52,24 @@ pub struct RenderArgs {
         allow_hyphen_values = true
     )]
     pub camera: CameraChoice,
+    /// How far the camera moves from frame to frame, in metres of the world, beside what the scene's animation does
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        default_value = "0,0,0",
+        allow_hyphen_values = true,
+        value_parser = parse_step
+    )]
+    pub camera_step: [f32; 3],
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     pub size: [u32; 2],
     /// How many frames; a file gets the last one, a folder every one
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub frames: u32,
+    /// Number of the first frame: time, the camera's path and random numbers go on from there
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..1 << 24))]
+    pub first_frame: u32,
     /// Seconds of animation per frame; at 0 time stands still
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds)]
     pub frame_time: f32,
@@ -291,6 +303,14 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
     Ok(size)
 }
 
+fn parse_step(text: &str) -> Result<[f32; 3], String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, z]) if x.is_finite() && y.is_finite() && z.is_finite() => Ok([x, y, z]),
+        _ => Err("give three numbers: x,y,z".into()),
+    }
+}
+
 fn parse_seconds(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
@@ -342,6 +362,14 @@ mod tests {
                 parse_size(text).unwrap_err().contains("such as 1280x720"),
                 "{text}"
             );
+        }
+    }
+
+    #[test]
+    fn steps() {
+        assert_eq!(parse_step("0.5, -1,0"), Ok([0.5, -1.0, 0.0]));
+        for text in ["", "1", "1,2", "1,2,3,4", "1,2,inf", "1,2,3,x", "a,b,c"] {
+            assert!(parse_step(text).is_err(), "{text}");
         }
     }
 

@@ -166,9 +166,13 @@ impl Run<'_> {
     fn frames(&mut self, host: &mut Host, progress: &ProgressBar) -> Result<(), Failure> {
         progress.set_message("rendering");
         let mut previous = None;
-        for frame in 0..self.args.frames {
+        for done in 0..self.args.frames {
+            let frame = self.args.first_frame.saturating_add(done);
             let time = frame as f32 * self.args.frame_time;
-            let (camera, revision) = self.pose(host, time)?;
+            let (mut camera, revision) = self.pose(host, time)?;
+            let [x, y, z] = self.args.camera_step.map(|metres| frame as f32 * metres);
+            let eye = &mut camera.world_from_view.w_axis;
+            (eye.x, eye.y, eye.z) = (eye.x + x, eye.y + y, eye.z + z);
             let input = FrameInput {
                 camera,
                 previous_camera: previous.unwrap_or(camera),
@@ -181,7 +185,7 @@ impl Run<'_> {
             };
             previous = Some(camera);
             self.frame(&input, host)?;
-            self.write(frame + 1)?;
+            self.write(done + 1)?;
             progress.inc(1);
         }
         Ok(())
