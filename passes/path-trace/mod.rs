@@ -11,7 +11,8 @@
 //! | irradiance | irradiance | k_d left out |
 //! | specular | specular | |
 //! | radiance | radiance | k_d/pi E + L_spec |
-//! | hit_t | hit_t | 1e30 where no first segment hit anything |
+//! | hit_t | hit_t | as the specular lobe sees it; 1e30 where no first segment hit anything |
+//! | hit_weight | hit_weight | what hit_t rests on |
 //! | irradiance_moments, specular_moments, radiance_moments | moments | of single samples |
 //! | samples | age | paths traced for each pixel |
 
@@ -80,7 +81,12 @@ impl Pass for PathTrace {
         outputs.push(
             Port::new("hit_t", signal::HIT_T)
                 .optional()
-                .about("mean length of the first segments that hit"),
+                .about("mean length of the first segments that hit, as the specular lobe sees it"),
+        );
+        outputs.push(
+            Port::new("hit_weight", signal::HIT_WEIGHT)
+                .optional()
+                .about("weight of the first segments in the specular lobe"),
         );
         outputs
     }
@@ -114,12 +120,13 @@ impl Pass for PathTrace {
             ray_cap: p.ray_cap,
         };
         let sums = self.tracer.record(&samples, frame)?;
-        if frame.wants("hit_t") {
+        if frame.wants("hit_t") || frame.wants("hit_weight") {
             let size = frame.full_size();
             frame
                 .dispatch("hit_t", &self.hit_t)
                 .texture("irradiance_sums", sums.irradiance)
                 .texture("specular_sums", sums.specular)
+                .texture("square_sums", sums.squares)
                 .over(size)?;
         }
         Ok(())

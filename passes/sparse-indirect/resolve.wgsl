@@ -41,7 +41,7 @@ fn resolve_light(@builtin(global_invocation_id) id: vec3u) {
     let n = f32(params.samples);
     let e = irradiance.xyz / n;
     let s = specular.xyz / n;
-    // As in path-trace/hit_t.wgsl: the mean over the segments that hit something.
+    // As in path-trace/hit_t.wgsl: the weighted mean over the segments that hit something.
     let hit_t = select(SKY_Z, irradiance.w / specular.w, specular.w > 0.0);
     let pixel = traced_pixel(texel, params.spacing, params.grid_phase, textureDimensions(surface_id));
     textureStore(out_irradiance, texel, vec4f(clamp_f16(e), 1.0));

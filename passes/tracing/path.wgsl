@@ -27,6 +27,8 @@ struct PathSample {
     specular: vec3f,
     // Length of the first segment; NO_HIT when it left the scene.
     first_t: f32,
+    // What of the light along it leaves by the specular lobe, as luminance; 1 where there is no such lobe.
+    first_weight: f32,
 }
 
 // What of the light at the current vertex arrives as irradiance, and as radiance of the specular lobe.
@@ -56,7 +58,7 @@ fn scaled(t: Throughput, by: vec3f) -> Throughput {
 // At each vertex two rays: one tests the light sampled there, one goes on to the next vertex. One call of trace() serves
 // both, and all shading is done before and after it, once a vertex.
 fn trace_path(start: Vertex, settings: PathSettings, rng: ptr<function, Rng>) -> PathSample {
-    var sum = PathSample(vec3f(0.0), vec3f(0.0), NO_HIT);
+    var sum = PathSample(vec3f(0.0), vec3f(0.0), NO_HIT, 0.0);
     var vertex = start;
     var carried = Throughput(vec3f(1.0), vec3f(1.0));
     let bounces = select(0u, settings.max_bounces, settings.indirect);
@@ -114,6 +116,7 @@ fn trace_path(start: Vertex, settings: PathSettings, rng: ptr<function, Rng>) ->
 
         if first {
             sum.first_t = hit.t;
+            sum.first_weight = select(brdf_luminance(carried.specular), 1.0, vertex.brdf.p_diffuse == 1.0);
         }
         if hit.t >= NO_HIT {
             if with_sky {

@@ -6,11 +6,11 @@
 #include "tracing/path.wgsl"
 
 struct Sums {
-    // Irradiance; w: length of the first segments that hit something.
+    // Irradiance; w: weighted length of the first segments that hit something.
     irradiance: vec4f,
-    // Radiance of the specular lobe; w: how many first segments hit something.
+    // Radiance of the specular lobe; w: weight of the first segments that hit something.
     specular: vec4f,
-    // Squared luminance of irradiance, specular and radiance.
+    // Squared luminance of irradiance, specular and radiance; w: weight of all first segments.
     squares: vec4f,
 }
 
@@ -29,10 +29,10 @@ fn add_sample(sums: ptr<function, Sums>, s: PathSample, k_d: vec3f) {
         atomicAdd(&clamps, 1u);
         return;
     }
-    let hit = select(0.0, 1.0, s.first_t < NO_HIT);
-    (*sums).irradiance += vec4f(s.irradiance, select(0.0, s.first_t, s.first_t < NO_HIT));
-    (*sums).specular += vec4f(s.specular, hit);
+    let hit_weight = select(0.0, s.first_weight, s.first_t < NO_HIT);
+    (*sums).irradiance += vec4f(s.irradiance, hit_weight * s.first_t);
+    (*sums).specular += vec4f(s.specular, hit_weight);
     let radiance = k_d / PI * s.irradiance + s.specular;
     let squares = vec3f(squared_luminance(s.irradiance), squared_luminance(s.specular), squared_luminance(radiance));
-    (*sums).squares += vec4f(squares, 0.0);
+    (*sums).squares += vec4f(squares, s.first_weight);
 }

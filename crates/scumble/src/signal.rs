@@ -158,6 +158,8 @@ signals! {
     MATERIAL = "material", Rgba8Unorm, "root of the base reflectance (rgb) and perceptual roughness (a)";
     SURFACE_ID = "surface_id", R32Uint, "instance and material; 0 is sky";
     HIT_T = "hit_t", R32Float, "length of the first indirect segment in metres";
+    HIT_WEIGHT = "hit_weight", R32Float, "weight of the first indirect segments in the specular lobe";
+    DISPLACEMENT = "displacement", Rgba16Float, "world position in the previous frame minus now, metres";
     MOMENTS = "moments", Rg32Float, "`E[L]` and `E[L^2]` of the luminance of one named signal";
     VARIANCE = "variance", R32Float, "variance of the mean luminance";
     AGE = "age", R32Float, "number of samples accumulated";
