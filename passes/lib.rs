@@ -48,6 +48,8 @@ pub mod sample_mask;
 #[path = "scatter-reproject/mod.rs"]
 pub mod scatter_reproject;
 pub mod select;
+#[path = "specular-modulate/mod.rs"]
+pub mod specular_modulate;
 pub mod taa;
 #[path = "temporal-gradient/mod.rs"]
 pub mod temporal_gradient;
@@ -104,6 +106,7 @@ pub fn registry() -> Registry {
     registry.add::<sample_mask::SampleMask>();
     registry.add::<scatter_reproject::ScatterReproject>();
     registry.add::<select::Select>();
+    registry.add::<specular_modulate::SpecularModulate>();
     registry.add::<taa::Taa>();
     registry.add::<temporal_gradient::TemporalGradient>();
     registry.add::<tonemap::Tonemap>();

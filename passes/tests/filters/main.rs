@@ -19,6 +19,7 @@ mod recombine;
 mod sample_mask;
 mod scatter_reproject;
 mod select;
+mod specular_modulate;
 mod taa;
 mod temporal_gradient;
 mod tonemap;

@@ -245,6 +245,7 @@ fn encode(format: TextureFormat, texel: [f64; 4]) -> Vec<u8> {
         TextureFormat::Rg32Float => floats(2),
         TextureFormat::R32Float => floats(1),
         TextureFormat::Rgba16Float => halves(4),
+        TextureFormat::Rgba8Unorm => texel.map(|v| (v * 255.0).round() as u8).to_vec(),
         TextureFormat::Rg32Uint => words(2),
         TextureFormat::R32Uint => words(1),
         other => panic!("no test needs {other:?}"),
