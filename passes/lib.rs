@@ -50,6 +50,8 @@ pub mod scatter_reproject;
 pub mod select;
 #[path = "specular-modulate/mod.rs"]
 pub mod specular_modulate;
+#[path = "specular-reproject/mod.rs"]
+pub mod specular_reproject;
 pub mod taa;
 #[path = "temporal-gradient/mod.rs"]
 pub mod temporal_gradient;
@@ -107,6 +109,7 @@ pub fn registry() -> Registry {
     registry.add::<scatter_reproject::ScatterReproject>();
     registry.add::<select::Select>();
     registry.add::<specular_modulate::SpecularModulate>();
+    registry.add::<specular_reproject::SpecularReproject>();
     registry.add::<taa::Taa>();
     registry.add::<temporal_gradient::TemporalGradient>();
     registry.add::<tonemap::Tonemap>();

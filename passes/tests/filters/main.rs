@@ -20,6 +20,7 @@ mod sample_mask;
 mod scatter_reproject;
 mod select;
 mod specular_modulate;
+mod specular_reproject;
 mod taa;
 mod temporal_gradient;
 mod tonemap;
