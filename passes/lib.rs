@@ -12,6 +12,8 @@ use scumble::Registry;
 #[path = "direct-lighting/mod.rs"]
 pub mod direct_lighting;
 pub mod gbuffer;
+#[path = "gbuffer-reflected/mod.rs"]
+pub mod gbuffer_reflected;
 #[path = "path-trace/mod.rs"]
 pub mod path_trace;
 #[path = "sparse-indirect/mod.rs"]
@@ -87,6 +89,7 @@ pub fn registry() -> Registry {
     tracing::add_modules(&mut registry);
     registry.add::<direct_lighting::DirectLighting>();
     registry.add::<gbuffer::Gbuffer>();
+    registry.add::<gbuffer_reflected::GbufferReflected>();
     registry.add::<path_trace::PathTrace>();
     registry.add::<sparse_indirect::SparseIndirect>();
 

@@ -28,6 +28,10 @@ pub(crate) fn add_modules(registry: &mut Registry) {
             include_str!("../gbuffer/visibility.wgsl"),
         ),
         (
+            "gbuffer-reflected/mirror.wgsl",
+            include_str!("../gbuffer-reflected/mirror.wgsl"),
+        ),
+        (
             "sparse-indirect/grid.wgsl",
             include_str!("../sparse-indirect/grid.wgsl"),
         ),

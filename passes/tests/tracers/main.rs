@@ -7,4 +7,5 @@ mod direct;
 mod estimators;
 mod gbuffer;
 mod motion;
+mod reflected;
 mod sparse;
