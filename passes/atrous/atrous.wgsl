@@ -1,6 +1,6 @@
 // One level of the edge-avoiding a-trous wavelet transform, taps 2^level texels apart, with its variance:
 //   c'(p) = sum_q h w c(q) / sum_q h w,     Var'(p) = sum_q (h w)^2 Var(q) / (sum_q h w)^2
-//   w = w_normal w_depth w_luminance,       w_luminance = exp(-|L(p) - L(q)| / (sigma_l sqrt(Var) + epsilon))
+//   w = w_normal w_depth w_luminance [w_normal w_depth of what is reflected],       w_luminance = exp(-|L(p) - L(q)| / (sigma_l sqrt(Var) + epsilon))
 // h is [1 2 1]/4 or [1 4 6 4 1]/16 in each axis. normal and depth: passes/edges.wgsl.
 // H. Dammertz et al., "Edge-Avoiding A-Trous Wavelet Transform for Fast Global Illumination Filtering", HPG 2010; C. Schied et al.,
 // "Spatiotemporal Variance-Guided Filtering", HPG 2017, equations 1 to 5; L. Dundr, "Progressive Spatiotemporal Variance-Based Path
@@ -31,6 +31,8 @@ struct Params {
     has_surface_id: u32,
     has_level_variance: u32,
     has_guide_variance: u32,
+    has_reflected_view_z: u32,
+    has_reflected_normal: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -44,6 +46,8 @@ struct Params {
 @group(0) @binding(8) var out_variance: texture_storage_2d<r32float, write>;
 @group(0) @binding(10) var guide_variance: texture_2d<f32>;
 @group(0) @binding(9) var out_first: texture_storage_2d<{{first.format}}, write>;
+@group(0) @binding(11) var reflected_view_z: texture_2d<f32>;
+@group(0) @binding(12) var reflected_normal: texture_2d<u32>;
 
 const LUMINANCE_NONE: u32 = 2u;
 const LUMINANCE_VARIANCE: u32 = 1u;
@@ -100,6 +104,40 @@ fn kernel_weight(i: i32) -> f32 {
     return select(select(0.0625, 0.25, abs(i) == 1), 0.375, i == 0);
 }
 
+// The second guides, of what the surface reflects: as the first ones, but sky is like sky and nothing else.
+struct Reflected {
+    guides: bool,
+    view_z: f32,
+    normal: vec3f,
+    gradient: vec2f,
+}
+
+fn reflected_at(p: vec2i) -> Reflected {
+    var r: Reflected;
+    if params.has_reflected_view_z == 0u || params.has_reflected_normal == 0u {
+        return r;
+    }
+    r.view_z = textureLoad(reflected_view_z, p, 0).x;
+    r.guides = !is_hole(r.view_z);
+    r.normal = octahedral_decode(textureLoad(reflected_normal, p, 0).x);
+    if is_guide(r.view_z) {
+        r.gradient = depth_gradient(reflected_view_z, p, r.view_z);
+    }
+    return r;
+}
+
+fn reflected_weight(r: Reflected, q: vec2i, d: vec2f, how: DepthWeight) -> f32 {
+    if !r.guides {
+        return 1.0;
+    }
+    let z_q = textureLoad(reflected_view_z, q, 0).x;
+    if !is_guide(r.view_z) || !is_guide(z_q) {
+        return f32(is_sky(r.view_z) && is_sky(z_q));
+    }
+    let n_q = octahedral_decode(textureLoad(reflected_normal, q, 0).x);
+    return normal_weight(r.normal, n_q, params.sigma_normal) * depth_weight(r.view_z, z_q, r.gradient, d, how);
+}
+
 fn filtered(p: vec2i, size: vec2i) -> Filtered {
     let c_p = textureLoad(level_value, p, 0);
     let z_p = textureLoad(view_z, p, 0).x;
@@ -111,6 +149,9 @@ fn filtered(p: vec2i, size: vec2i) -> Filtered {
     let gradient = depth_gradient(view_z, p, z_p);
     let g_p = guide_variance_at(p);
     var how = DepthWeight(params.depth_form, params.sigma_depth, params.depth_epsilon, params.slope_limit);
+    // How much the reflected guides vary within a texel is not known.
+    let how_reflected = how;
+    let reflected = reflected_at(p);
     let by_surface = params.match_surface != 0u && params.has_surface_id != 0u;
 
     // A texel without a value of its own takes its neighbours', however bright they are.
@@ -151,7 +192,8 @@ fn filtered(p: vec2i, size: vec2i) -> Filtered {
                 let sigma_normal = params.sigma_normal / (1.0 + 0.5 * params.sigma_normal * spread.x);
                 w *= strength
                     * normal_weight(n_p, octahedral_decode(textureLoad(normal, q, 0).x), sigma_normal)
-                    * depth_weight(z_p, z_q, gradient, vec2f(d), how);
+                    * depth_weight(z_p, z_q, gradient, vec2f(d), how)
+                    * reflected_weight(reflected, q, vec2f(d), how_reflected);
                 if by_luminance {
                     let v = select(v_p, min(v_p, v_q), params.variance_at == VARIANCE_MINIMUM);
                     let noise = select(sqrt(v), v, params.luminance == LUMINANCE_VARIANCE);

@@ -135,6 +135,12 @@ impl Pass for Atrous {
             port("guide_variance", signal::GUIDE_VARIANCE)
                 .optional()
                 .about("of the guides within a texel: where they vary they keep less apart"),
+            port("reflected_view_z", signal::VIEW_Z)
+                .optional()
+                .about("second guide, of what the surface reflects; no guide where it is -1"),
+            port("reflected_normal", signal::NORMAL)
+                .optional()
+                .about("second guide"),
         ]
     }
 

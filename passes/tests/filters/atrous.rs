@@ -19,6 +19,7 @@ struct Rule {
     fade: f64,
     feedback: f64,
     loose: bool,
+    reflected: bool,
 }
 
 const DEFAULT: Rule = Rule {
@@ -39,6 +40,7 @@ const DEFAULT: Rule = Rule {
     fade: 0.0,
     feedback: 0.0,
     loose: false,
+    reflected: false,
 };
 const SIGMA: f64 = 4.0;
 const EPSILON: f64 = 0.1;
@@ -50,6 +52,7 @@ struct Case {
     surface_id: Image,
     guides: Guides,
     guide_variance: Image,
+    reflected: Guides,
 }
 
 impl Case {
@@ -74,6 +77,7 @@ impl Case {
                 [0.3, 0.1, 0.0, 0.0]
                     .map(|most| half::f16::from_f64(random.range(0.0, 1.0) * most).to_f64())
             }),
+            reflected: random.guides(size),
         }
     }
 
@@ -138,6 +142,15 @@ impl Case {
                     edges.epsilon += (g[1] + h[1]).sqrt();
                 }
                 w *= edge_weight(&self.guides, p, q, &edges);
+                let [z_p, z_q] = [p, q].map(|p| self.reflected.view_z.x(p));
+                if rule.reflected && z_p >= 0.0 {
+                    // Sky is like sky alone.
+                    w *= if self.reflected.is_surface(p) && self.reflected.is_surface(q) {
+                        edge_weight(&self.reflected, p, q, &rule.edges)
+                    } else {
+                        f64::from(u8::from(z_p > 1e29 && z_q > 1e29))
+                    };
+                }
                 if own && rule.fade > 0.0 {
                     w *= (1.0 - age / rule.fade).max(0.0);
                 }
@@ -224,6 +237,12 @@ impl Case {
                 Input::any(signal::GUIDE_VARIANCE, &self.guide_variance),
             );
         }
+        if rule.reflected {
+            let Guides { view_z, normal } = &self.reflected;
+            run = run
+                .input("reflected_view_z", Input::any(signal::VIEW_Z, view_z))
+                .input("reflected_normal", Input::any(signal::NORMAL, normal));
+        }
         run.input("value", Input::any(signal::POSITION, &self.value))
             .input("variance", Input::any(signal::VARIANCE, &self.variance))
             .input("age", Input::any(signal::AGE, &self.age))
@@ -276,6 +295,11 @@ fn agrees_with_its_twin() {
             ..DEFAULT
         },
         Rule {
+            loose: true,
+            ..DEFAULT
+        },
+        Rule {
+            reflected: true,
             loose: true,
             ..DEFAULT
         },
