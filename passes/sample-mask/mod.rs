@@ -20,6 +20,7 @@ scumble::params! {
     /// What `sample-mask` can be told.
     pub struct SampleMaskParams {
         /// Part of the pixels that take a sample in a frame.
+        #[budget]
         pub rate: f32 = 0.25, in 0.000001..=1.0, unit "spp";
         /// In which order the pixels take their turns.
         pub order: Order = Order::Halton;

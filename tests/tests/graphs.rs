@@ -71,6 +71,38 @@ fn the_chain_is_guided_by_the_grid_and_by_the_image() {
     }
 }
 
+/// What a kept output needs stays wired as it was, histories included; the rest goes.
+#[test]
+fn a_graph_can_be_cut_down_to_an_output() {
+    for (name, gone) in [("svgf-2018", 1), ("upsample-temporal", 1), ("reference", 1)] {
+        let whole = graph(name);
+        let mut cut = whole.clone();
+        cut.keep_outputs(|output| output == "linear");
+        assert!(cut.pass("tonemap").is_none(), "{name}");
+        assert_eq!(cut.passes.len() + gone, whole.passes.len(), "{name}");
+        assert_eq!(cut.outputs.len(), 1);
+        assert_eq!(
+            cut.source_name(&cut.outputs[0].1),
+            whole.source_name(&whole.outputs.iter().find(|(o, _)| o == "linear").unwrap().1)
+        );
+        for pass in &cut.passes {
+            for (input, _) in &pass.inputs {
+                let (now, before) = (
+                    reads(&cut, &pass.name, input),
+                    reads(&whole, &pass.name, input),
+                );
+                assert_eq!(now, before, "{name}: {}.{input}", pass.name);
+            }
+        }
+        let marks = |graph: &Resolved| graph.to_string().matches("(implicit)").count();
+        let lost = whole
+            .implicit
+            .iter()
+            .filter(|w| whole.passes[w.pass].name == "tonemap");
+        assert_eq!(marks(&cut) + lost.count(), marks(&whole), "{name}");
+    }
+}
+
 #[test]
 fn variants_change_what_they_say() {
     let bypassed = |graph: &Resolved| -> Vec<String> {

@@ -27,6 +27,7 @@ pub fn resolve(
         everywhere: max_bounces.into_iter().collect(),
         set: edits.set.clone(),
         bypass: edits.bypass.clone(),
+        ..Edits::default()
     };
     scumble::resolve(path, registry, &edits)
 }

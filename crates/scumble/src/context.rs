@@ -119,6 +119,8 @@ pub struct BuildContext<'a> {
     pub(crate) info: &'a PassInfo,
     /// How each kernel made here is bound.
     pub(crate) plans: RefCell<Vec<Rc<KernelPlan>>>,
+    /// Every shader composed here.
+    pub(crate) shaders: RefCell<Vec<String>>,
 }
 
 /// How a raster kernel draws, beside its shader.
@@ -282,7 +284,9 @@ impl BuildContext<'_> {
             .map(|(name, format)| (name.as_str(), *format))
             .collect();
         all.extend(defines);
-        compose(file, text, self.modules, &all)
+        let composed = compose(file, text, self.modules, &all)?;
+        self.shaders.borrow_mut().push(composed.wgsl().to_owned());
+        Ok(composed)
     }
 }
 

@@ -8,7 +8,7 @@ mod reference;
 
 use std::path::{Path, PathBuf};
 
-pub(crate) use node::{Node, Shape};
+pub use node::{Node, Shape};
 pub use reference::WireRef;
 
 use crate::diagnostics::{Diagnostic, Diagnostics, SourceFile, Span, Spanned, code};

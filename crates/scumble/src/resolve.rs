@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 pub use resolved::{GraphInput, ImplicitWire, Resolved, ResolvedPass, Source};
 
-use crate::diagnostics::Diagnostics;
+use crate::diagnostics::{Diagnostics, Span, Spanned};
 use crate::file::GraphFile;
 use crate::registry::Registry;
 use crate::wire;
@@ -32,6 +32,10 @@ pub struct Edits {
     pub set: Vec<(String, String)>,
     /// Passes to bypass (patterns as in files).
     pub bypass: Vec<String>,
+    /// The same as `set` from a file that keeps places: names, and where the values stand.
+    pub written_set: Vec<(Spanned<String>, Span)>,
+    /// The same as `bypass` from a file that keeps places.
+    pub written_bypass: Vec<Spanned<String>>,
 }
 
 /// A parameter to set in every pass that has it; that no pass has it is a mistake.

@@ -3,20 +3,22 @@
 //! Each value is captured raw and decoded by itself, so that one mistake does not hide the next, and
 //! every place is exact: a raw value is a slice of the source, so its place is where it points.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use ron::value::RawValue;
 
+use super::VERSION;
 use super::raw::{RawShape, options, significant};
 use crate::diagnostics::{Diagnostic, Diagnostics, SourceFile, Span, Spanned, code, nearest};
 
 /// A RON value, not decoded.
 #[derive(Clone, Debug)]
-pub(crate) struct Node(Span);
+pub struct Node(Span);
 
 /// A RON value, decoded one level deep.
 #[derive(Clone, Debug)]
-pub(crate) enum Shape {
+pub enum Shape {
     /// `(a: 1, b: 2)`.
     Fields(Vec<(Spanned<String>, Node)>),
     /// `(1, 2)`.
@@ -40,8 +42,24 @@ pub(crate) enum Shape {
 }
 
 impl Node {
+    /// The value that the whole of a file is.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is no RON.
+    pub fn read(path: &Path) -> Result<(Self, Shape), Diagnostics> {
+        let mut diagnostics = Diagnostics::new();
+        let Some(text) = super::read_text(path, None, &mut diagnostics) else {
+            return Err(diagnostics);
+        };
+        let source = SourceFile::new(path.display().to_string(), text);
+        Self::of_file(&source).map_err(Diagnostics::from)
+    }
+
     /// The value that the whole of `source` is.
-    pub(crate) fn of_file(source: &Arc<SourceFile>) -> Result<(Self, Shape), Diagnostic> {
+    ///
+    /// # Errors
+    /// The text is no RON.
+    pub fn of_file(source: &Arc<SourceFile>) -> Result<(Self, Shape), Diagnostic> {
         let text = source.text();
         let raw: RawShape = match options().from_str(text) {
             Ok(raw) => raw,
@@ -53,7 +71,10 @@ impl Node {
     }
 
     /// The value that `span` is.
-    pub(crate) fn of_span(span: &Span) -> Result<Self, Diagnostic> {
+    ///
+    /// # Errors
+    /// The text there is no RON.
+    pub fn of_span(span: &Span) -> Result<Self, Diagnostic> {
         match options().from_str::<&RawValue>(span.text()) {
             Ok(_) => Ok(Self::new(span.source(), span.start(), span.text())),
             Err(error) => Err(syntax_error(span.source(), span.start(), &error)),
@@ -78,12 +99,12 @@ impl Node {
     }
 
     /// Where it stands.
-    pub(crate) fn span(&self) -> &Span {
+    pub fn span(&self) -> &Span {
         &self.0
     }
 
     /// Decodes it one level deep.
-    pub(crate) fn shape(&self) -> Shape {
+    pub fn shape(&self) -> Shape {
         let text = self.0.text();
         match text.chars().next() {
             Some('(' | '[' | '{') => match options().from_str::<RawShape>(text) {
@@ -150,13 +171,13 @@ impl Node {
     }
 
     /// The inside of `word(inside)`, when it is that.
-    pub(crate) fn argument_of(&self, word: &str) -> Option<&str> {
+    pub fn argument_of(&self, word: &str) -> Option<&str> {
         let rest = self.0.text().strip_prefix(word)?.trim();
         Some(rest.strip_prefix('(')?.strip_suffix(')')?.trim())
     }
 
     /// Reports that something else was expected.
-    pub(crate) fn mismatch(&self, expected: &str, diagnostics: &mut Diagnostics) {
+    pub fn mismatch(&self, expected: &str, diagnostics: &mut Diagnostics) {
         let message = format!(
             "expected {expected}, and found {}",
             self.shape().described()
@@ -165,7 +186,7 @@ impl Node {
     }
 
     /// The text it must be.
-    pub(crate) fn expect_text(
+    pub fn expect_text(
         &self,
         what: &str,
         diagnostics: &mut Diagnostics,
@@ -180,7 +201,7 @@ impl Node {
     }
 
     /// The items of the list it must be.
-    pub(crate) fn expect_list(&self, what: &str, diagnostics: &mut Diagnostics) -> Vec<Node> {
+    pub fn expect_list(&self, what: &str, diagnostics: &mut Diagnostics) -> Vec<Node> {
         match self.shape() {
             Shape::List(items) => items,
             _ => {
@@ -191,7 +212,7 @@ impl Node {
     }
 
     /// The entries of the map with quoted keys it must be; a key that is there twice is reported.
-    pub(crate) fn expect_map(
+    pub fn expect_map(
         &self,
         what: &str,
         diagnostics: &mut Diagnostics,
@@ -211,7 +232,7 @@ impl Node {
 
     /// The fields it must have; each that is not `known` is reported, and given the name that it was
     /// meant to have.
-    pub(crate) fn expect_fields(
+    pub fn expect_fields(
         &self,
         what: &str,
         known: &[&str],
@@ -237,8 +258,56 @@ impl Node {
         Some(fields)
     }
 
+    /// Checks the version that the file states, of [`VERSION`] and before; `what` is what the file is, and
+    /// `known` are the fields that it can have. `None` for one from the future: its other fields may not be
+    /// what they seem.
+    pub fn check_version(
+        &self,
+        what: &str,
+        known: &[&str],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<()> {
+        let fields = self.expect_any_fields(what, &mut Diagnostics::new())?;
+        let is_meant = |name: &str| nearest(name, known.iter().copied()) == Some("version");
+        let Some((_, value)) = fields.iter().find(|(name, _)| is_meant(&name.value)) else {
+            let what = what.split_once(' ').map_or(what, |(_, noun)| noun);
+            diagnostics.push(
+                Diagnostic::new(
+                    code::VERSION,
+                    format!("the {what} does not state its version"),
+                )
+                .at(&self.opening(), "")
+                .help(format!("add `version: {VERSION}`")),
+            );
+            return Some(());
+        };
+        match value.shape() {
+            Shape::Int(n) if n == i64::from(VERSION) => Some(()),
+            Shape::Int(n) if n > i64::from(VERSION) => {
+                let message =
+                    format!("version {n} is from the future: versions up to {VERSION} are known");
+                diagnostics.push(
+                    Diagnostic::new(code::VERSION, message)
+                        .at(value.span(), "")
+                        .help("use a newer scumble"),
+                );
+                None
+            }
+            _ => {
+                value.mismatch(&format!("the version {VERSION}"), diagnostics);
+                Some(())
+            }
+        }
+    }
+
+    /// The parenthesis that opens it: where something is missing.
+    pub fn opening(&self) -> Span {
+        let start = self.0.start();
+        Span::new(self.0.source(), start..start + 1)
+    }
+
     /// The fields it must have, whatever they are called.
-    pub(crate) fn expect_any_fields(
+    pub fn expect_any_fields(
         &self,
         what: &str,
         diagnostics: &mut Diagnostics,
@@ -274,7 +343,7 @@ fn without_duplicates(
 
 impl Shape {
     /// What it is, for messages.
-    pub(crate) fn described(&self) -> String {
+    pub fn described(&self) -> String {
         match self {
             Self::Fields(_) => "fields `(name: …)`".to_owned(),
             Self::Tuple(_) => "a tuple `(…)`".to_owned(),

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::reference::is_name;
-use super::{GraphFile, InputDecl, Insert, Node, PassUse, Shape, VERSION, WireRef};
-use crate::diagnostics::{Diagnostic, Diagnostics, SourceFile, Span, Spanned, code, nearest};
+use super::{GraphFile, InputDecl, Insert, Node, PassUse, Shape, WireRef};
+use crate::diagnostics::{Diagnostic, Diagnostics, SourceFile, Spanned, code};
 use crate::pass::SkySide;
 use crate::port::Resolution;
 
@@ -34,8 +34,7 @@ pub(super) fn graph_file(
         }
     };
     // A file from the future may have fields that are not known yet: its version is the one mistake.
-    let fields = node.expect_any_fields("a graph", &mut Diagnostics::new())?;
-    version(&node, &fields, diagnostics)?;
+    node.check_version("a graph", FIELDS, diagnostics)?;
     let fields = node.expect_fields("a graph", FIELDS, diagnostics)?;
 
     let mut file = GraphFile {
@@ -110,48 +109,12 @@ fn field(file: &mut GraphFile, name: &str, node: &Node, diagnostics: &mut Diagno
     }
 }
 
-fn version(node: &Node, fields: &Fields, diagnostics: &mut Diagnostics) -> Option<()> {
-    let is_meant = |name: &str| nearest(name, FIELDS.iter().copied()) == Some("version");
-    let Some((_, value)) = fields.iter().find(|(name, _)| is_meant(&name.value)) else {
-        let at = opening(node);
-        diagnostics.push(
-            Diagnostic::new(code::VERSION, "the graph does not state its version")
-                .at(&at, "")
-                .help(format!("add `version: {VERSION}`")),
-        );
-        return Some(());
-    };
-    match value.shape() {
-        Shape::Int(n) if n == i64::from(VERSION) => Some(()),
-        Shape::Int(n) if n > i64::from(VERSION) => {
-            let message =
-                format!("version {n} is from the future: versions up to {VERSION} are known");
-            diagnostics.push(
-                Diagnostic::new(code::VERSION, message)
-                    .at(value.span(), "")
-                    .help("use a newer scumble"),
-            );
-            None
-        }
-        _ => {
-            value.mismatch(&format!("the version {VERSION}"), diagnostics);
-            Some(())
-        }
-    }
-}
-
-// The parenthesis that opens a graph: where something is missing.
-fn opening(node: &Node) -> Span {
-    let start = node.span().start();
-    Span::new(node.span().source(), start..start + 1)
-}
-
 // A graph that gives nothing does nothing: passes that nobody reads do not run.
 fn check_outputs(node: &Node, fields: &Fields, diagnostics: &mut Diagnostics) {
     let field = |wanted: &str| fields.iter().find(|(name, _)| name.value == wanted);
     let at = match field("outputs") {
         _ if field("extends").is_some() => return,
-        None => opening(node),
+        None => node.opening(),
         Some((_, map)) if matches!(map.shape(), Shape::Map(entries) if entries.is_empty()) => {
             map.span().clone()
         }

@@ -134,6 +134,7 @@ fn unbuilt(resolved: &Resolved, pass: &crate::resolve::ResolvedPass) -> Built {
         slots: ty.outputs.iter().map(|_| OutputSlot::default()).collect(),
         wanted: vec![false; ty.outputs.len()],
         state: PassState::default(),
+        shaders: Vec::new(),
         stale: true,
     }
 }
@@ -215,9 +216,11 @@ impl Pipeline {
             modules: &self.modules,
             info: &built.info,
             plans: RefCell::default(),
+            shaders: RefCell::default(),
         };
         let pass = resolved.ty.build(&ctx, &resolved.params)?;
         built.state.plans = ctx.plans.into_inner();
+        built.shaders = ctx.shaders.into_inner();
         for history in built.state.histories.drain(..) {
             self.pool.reset_history(&history, "the pass was rebuilt");
         }

@@ -69,6 +69,8 @@ struct Built {
     /// For each output, whether it is read at all.
     wanted: Vec<bool>,
     state: PassState,
+    /// The text of every shader that it was built from.
+    shaders: Vec<String>,
     /// A structural parameter changed.
     stale: bool,
 }
@@ -149,6 +151,13 @@ impl Pipeline {
     /// The graph, with parameters as they are now.
     pub fn resolved(&self) -> &Resolved {
         &self.resolved
+    }
+
+    /// The text of every shader of the passes, as the device got it, in the order of the graph: with the
+    /// parameters, what the passes compute depends on.
+    pub fn shaders(&self) -> impl Iterator<Item = &str> {
+        let passes = self.passes.iter();
+        passes.flat_map(|built| built.shaders.iter().map(String::as_str))
     }
 
     /// Width and height of the image in pixels.

@@ -71,6 +71,12 @@ impl Loader<'_> {
             let span = Span::new(&source, 0..name.len());
             self.bypass(0, &Spanned::new(name.clone(), span));
         }
+        for (name, value) in &edits.written_set {
+            self.set(0, name, value);
+        }
+        for name in &edits.written_bypass {
+            self.bypass(0, name);
+        }
     }
 
     pub(super) fn report(

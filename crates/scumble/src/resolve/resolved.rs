@@ -107,6 +107,58 @@ impl Resolved {
         passes.find(|(_, pass)| pass.name == name)
     }
 
+    /// Keeps the outputs of these names, and of the passes those that an output that is kept needs, in this frame or
+    /// in one before.
+    ///
+    /// ```no_run
+    /// # fn main() -> Result<(), scumble::Diagnostics> {
+    /// use scumble::{Edits, Registry, resolve};
+    ///
+    /// let mut graph = resolve("graphs/upsample-2016.ron", &Registry::new(), &Edits::default())?;
+    /// graph.keep_outputs(|name| name == "linear");
+    /// assert!(graph.pass("tonemap").is_none());
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn keep_outputs(&mut self, wanted: impl Fn(&str) -> bool) {
+        self.outputs.retain(|(name, _)| wanted(name));
+        let mut needed = vec![false; self.passes.len()];
+        let mut open: Vec<usize> = Vec::new();
+        let port = |source: &Source| match source {
+            Source::Port { pass, .. } => Some(*pass),
+            Source::GraphInput { .. } => None,
+        };
+        open.extend(self.outputs.iter().filter_map(|(_, source)| port(source)));
+        while let Some(pass) = open.pop() {
+            if !std::mem::replace(&mut needed[pass], true) {
+                let sources = self.passes[pass].inputs.iter();
+                open.extend(sources.filter_map(|(_, source)| port(source.as_ref()?)));
+            }
+        }
+        // Where each pass that is kept goes.
+        let place: Vec<usize> = needed
+            .iter()
+            .scan(0, |kept, needed| {
+                *kept += usize::from(*needed);
+                Some(*kept - usize::from(*needed))
+            })
+            .collect();
+        let mut keep = needed.iter().copied();
+        self.passes.retain(|_| keep.next().unwrap_or(false));
+        self.implicit.retain(|wire| needed[wire.pass]);
+        for wire in &mut self.implicit {
+            wire.pass = place[wire.pass];
+        }
+        let inputs = self.passes.iter_mut().flat_map(|pass| &mut pass.inputs);
+        let inputs = inputs.filter_map(|(_, source)| source.as_mut());
+        let outputs = self.outputs.iter_mut().map(|(_, source)| source);
+        for source in inputs.chain(outputs) {
+            if let Source::Port { pass, .. } = source {
+                *pass = place[*pass];
+            }
+        }
+    }
+
     /// A source as text: `gbuffer.normal`, `atrous.first@prev`, or the name of a graph input.
     pub fn source_name(&self, source: &Source) -> String {
         match source {
