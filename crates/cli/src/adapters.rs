@@ -2,13 +2,14 @@
 
 use crate::args::AdaptersArgs;
 use crate::failure::Failure;
-use crate::{device, report};
+use crate::report;
+use scumble_lab::device;
 use serde_json::json;
 
 pub fn run(args: &AdaptersArgs) -> Result<(), Failure> {
     let adapters = device::adapters();
     if adapters.is_empty() {
-        return Err(Failure::NoAdapter);
+        return Err(scumble_lab::DeviceError::NoAdapter.into());
     }
     if args.json {
         report::json(&adapters.iter().map(as_json).collect());

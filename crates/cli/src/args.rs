@@ -4,6 +4,7 @@ use crate::camera::CameraChoice;
 use crate::levers;
 use crate::scene::SkyChoice;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use scumble_lab::Shard;
 use scumble_metrics::Metric;
 use std::path::PathBuf;
 
@@ -35,6 +36,8 @@ pub enum Verb {
     Scene(SceneVerb),
     /// Measure how far an image, or each of numbered frames, is from a reference
     Compare(CompareArgs),
+    /// Run an experiment: pipelines compared at equal cost, with references, seeds and intervals
+    Ablate(AblateArgs),
 }
 
 #[derive(Args)]
@@ -292,6 +295,63 @@ pub enum MapColors {
     Viridis,
 }
 
+/// Every run is kept in the output folder as soon as it is finished, and what is there already is not run again: an
+/// experiment that was interrupted goes on where it was. What fails is said at the end, with exit code 2; the rest
+/// is done.
+#[derive(Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct AblateArgs {
+    #[command(subcommand)]
+    pub verb: Option<AblateVerb>,
+    /// The experiment file
+    #[arg(required = true)]
+    pub experiment: Option<PathBuf>,
+    /// Run the short form that the file gives in `quick`
+    #[arg(long)]
+    pub quick: bool,
+    /// Say what would be run, and how long it would take
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Where records, references and results go [default: results/ and the experiment's name]
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Run one of N parts; put together by `ablate merge`
+    #[arg(long, value_name = "I/N", default_value = "1/1", value_parser = parse_shard)]
+    pub shard: Shard,
+    #[command(flatten)]
+    pub adapter: AdapterArgs,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Write what was done as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Subcommand)]
+pub enum AblateVerb {
+    /// Put the parts of an experiment into one folder, with the results of all
+    Merge(MergeArgs),
+}
+
+#[derive(Args)]
+pub struct MergeArgs {
+    /// The output folders of the parts
+    #[arg(required = true, value_name = "DIR")]
+    pub parts: Vec<PathBuf>,
+    /// Where to
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+}
+
+fn parse_shard(text: &str) -> Result<Shard, String> {
+    let numbers = text.split_once('/').map(|(i, n)| (i.parse(), n.parse()));
+    match numbers {
+        Some((Ok(index), Ok(count))) if (1..=count).contains(&index) => Ok(Shard { index, count }),
+        _ => Err("give the part and how many there are, such as 1/4".into()),
+    }
+}
+
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let form = || "give width and height in pixels, such as 1280x720".to_owned();
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(form)?;
@@ -370,6 +430,14 @@ mod tests {
         assert_eq!(parse_step("0.5, -1,0"), Ok([0.5, -1.0, 0.0]));
         for text in ["", "1", "1,2", "1,2,3,4", "1,2,inf", "1,2,3,x", "a,b,c"] {
             assert!(parse_step(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn shards() {
+        assert_eq!(parse_shard("2/4"), Ok(Shard { index: 2, count: 4 }));
+        for text in ["", "0/4", "5/4", "1/0", "1", "a/b"] {
+            assert!(parse_shard(text).is_err(), "{text}");
         }
     }
 

@@ -5,23 +5,8 @@ use std::path::PathBuf;
 /// Why a verb stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    #[error(
-        "no graphics adapter: neither Vulkan, Metal nor DirectX 12 offers one here; \
-         Mesa's software Vulkan driver runs without a GPU (cargo xtask setup installs it)"
-    )]
-    NoAdapter,
-    #[error("no adapter is named `{name}`; there are {known}")]
-    UnknownAdapter { name: String, known: String },
-    #[error("adapter `{adapter}` gives no device: {message}")]
-    NoDevice { adapter: String, message: String },
-    #[error("the GPU failed: {0}")]
-    Gpu(String),
-    #[error("{adapter} is out of memory{needs}")]
-    OutOfMemory {
-        adapter: String,
-        /// What needs how much, and what to do: `: …`, or nothing while that is not known.
-        needs: String,
-    },
+    #[error(transparent)]
+    Device(#[from] scumble_lab::DeviceError),
     #[error("this adapter renders at most {max}x{max} pixels, not {}x{}", size[0], size[1])]
     Size { size: [u32; 2], max: u32 },
 
@@ -32,6 +17,8 @@ pub enum Failure {
     )]
     Capture(framegraph::Capture),
 
+    #[error(transparent)]
+    Lab(#[from] scumble_lab::LabError),
     #[error("{0}")]
     Graph(scumble::Diagnostics),
     #[error(transparent)]
@@ -121,30 +108,17 @@ impl Failure {
     /// Says what needs how much memory, where that ran out; `needs` begins after a colon.
     pub fn needing(self, needs: impl FnOnce() -> String) -> Failure {
         match self {
-            Failure::OutOfMemory { adapter, .. } => Failure::OutOfMemory {
-                adapter,
-                needs: format!(": {}", needs()),
-            },
+            Failure::Device(error) => Failure::Device(error.needing(needs)),
             other => other,
         }
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::Failure;
-
-    #[test]
-    fn out_of_memory_says_of_what() {
-        let failure = Failure::OutOfMemory {
-            adapter: "llvmpipe".into(),
-            needs: String::new(),
-        };
-        assert_eq!(failure.to_string(), "llvmpipe is out of memory");
-        let failure = failure.needing(|| "8x8 pixels take about 2.0 GiB".into());
-        assert_eq!(
-            failure.to_string(),
-            "llvmpipe is out of memory: 8x8 pixels take about 2.0 GiB"
-        );
+impl From<scumble_lab::FrameError> for Failure {
+    fn from(error: scumble_lab::FrameError) -> Failure {
+        match error {
+            scumble_lab::FrameError::Device(error) => error.into(),
+            scumble_lab::FrameError::Render(error) => error.into(),
+        }
     }
 }

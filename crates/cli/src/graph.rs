@@ -2,9 +2,10 @@
 
 use crate::args::{CheckArgs, EditArgs};
 use crate::failure::Failure;
-use crate::{device, levers, report};
+use crate::{levers, report};
 use scumble::diagnostics::nearest;
 use scumble::{Diagnostics, Edits, Pipeline, Registry, Resolved, SetEverywhere};
+use scumble_lab::device;
 use serde_json::json;
 use std::path::Path;
 

@@ -1,14 +1,14 @@
 //! The scumble program: renders, checks and compares. Every verb is a call into the libraries.
 //!
-//! Exit code 0 when all went well, 1 when `compare` found more than was allowed, 2 with one message
-//! on the standard error otherwise.
+//! Exit code 0 when all went well, 1 when `compare` found more than was allowed, 2 with a message on the
+//! standard error otherwise.
 #![forbid(unsafe_code)]
 
+mod ablate;
 mod adapters;
 mod args;
 mod camera;
 mod compare;
-mod device;
 mod failure;
 mod folder;
 mod graph;
@@ -29,6 +29,8 @@ enum Verdict {
     Fine,
     /// `compare` found more than its threshold allows.
     Exceeded,
+    /// Parts of an experiment gave nothing.
+    Incomplete,
 }
 
 fn main() -> ExitCode {
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
     match std::panic::catch_unwind(|| run(&cli.verb)) {
         Ok(Ok(Verdict::Fine)) => ExitCode::SUCCESS,
         Ok(Ok(Verdict::Exceeded)) => ExitCode::from(1),
+        Ok(Ok(Verdict::Incomplete)) => ExitCode::from(2),
         Ok(Err(failure)) => {
             report::error(&failure);
             ExitCode::from(2)
@@ -53,6 +56,7 @@ fn main() -> ExitCode {
 fn run(verb: &Verb) -> Result<Verdict, Failure> {
     let done = match verb {
         Verb::Compare(args) => return compare::run(args),
+        Verb::Ablate(args) => return ablate::run(args),
         Verb::Render(args) => render::run(args),
         Verb::Check(args) => graph::check(args),
         Verb::Graph(args) => picture::run(args),

@@ -2,10 +2,10 @@
 //! rendered: the frames are recorded on wgpu's NOOP backend, which needs no adapter.
 
 use crate::args::{GraphArgs, PlanFormat};
-use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::{folder, graph, levers, report, scene};
 use scumble::{FrameInput, Host, Pipeline};
+use scumble_lab::Gpu;
 use scumble_scene::GpuScene;
 use std::path::Path;
 use std::sync::Arc;

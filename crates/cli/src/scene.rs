@@ -4,7 +4,7 @@ use crate::args::{Override, SceneChanges, SceneExportArgs, SceneInfoArgs, SceneV
 use crate::failure::Failure;
 use crate::{folder, report};
 use glam::Vec3;
-use scumble_scene::{BUILTIN_NAMES, LoadOptions, Material, MaterialOverride, Scene, Sky};
+use scumble_scene::{Scene, Sky};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -61,28 +61,7 @@ impl SkyChoice {
 pub fn load(name: &Path, changes: &SceneChanges) -> Result<Scene, Failure> {
     let sky = changes.sky.as_ref().map(SkyChoice::load).transpose()?;
     let lambert = matches!(changes.material_override, Some(Override::Lambert));
-    let builtin = name.to_str().filter(|name| BUILTIN_NAMES.contains(name));
-    if let Some(mut scene) = builtin.and_then(scumble_scene::builtin) {
-        if lambert {
-            scene.materials = scene
-                .materials
-                .into_iter()
-                .map(Material::into_lambert)
-                .collect();
-        }
-        scene.sky = sky.unwrap_or(scene.sky);
-        return Ok(scene);
-    }
-    let material_override = lambert.then_some(MaterialOverride::Lambert);
-    let shared = || scumble_scene::shared(Path::new("scenes").join(name));
-    let file = (!name.exists()).then(shared).flatten();
-    Ok(scumble_scene::load(
-        file.as_deref().unwrap_or(name),
-        &LoadOptions {
-            material_override,
-            sky,
-        },
-    )?)
+    Ok(scumble_lab::load_scene(name, lambert, sky)?)
 }
 
 pub fn run(verb: &SceneVerb) -> Result<(), Failure> {

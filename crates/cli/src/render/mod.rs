@@ -6,19 +6,19 @@ mod stats;
 
 use crate::args::RenderArgs;
 use crate::camera::CameraChoice;
-use crate::device::{self, Gpu};
 use crate::failure::Failure;
 use crate::{graph, levers, report, scene};
 use indicatif::{ProgressBar, ProgressStyle};
 use output::Targets;
 use scumble::{Camera, FrameInput, Host, Pipeline, Requirements, Resolved};
+use scumble_lab::{Gpu, device, read_image, render_frame};
 use scumble_metrics::Image;
 use scumble_scene::GpuScene;
 use serde_json::json;
 use stats::Stats;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let levers = levers::read()?;
@@ -105,9 +105,9 @@ fn host(
         };
         let scene = scene::load(name, &args.scene.changes)?;
         let scene_gpu = GpuScene::new(&gpu.device, &gpu.queue, Arc::new(scene))?;
-        gpu.check().map_err(|failure| {
+        gpu.check().map_err(|error| {
             let bytes = stats::size(scene_gpu.memory());
-            failure.needing(|| format!("the scene takes {bytes}; give a smaller one"))
+            error.needing(|| format!("the scene takes {bytes}; give a smaller one"))
         })?;
         if !args.quiet {
             let notes = scene_gpu
@@ -204,21 +204,11 @@ impl Run<'_> {
     }
 
     fn frame(&mut self, input: &FrameInput, host: &mut Host) -> Result<(), Failure> {
-        let descriptor = wgpu::CommandEncoderDescriptor {
-            label: Some("frame"),
-        };
-        let mut encoder = self.gpu.device.create_command_encoder(&descriptor);
-        let start = Instant::now();
-        let rendered = self.pipeline.render(&mut encoder, input, host);
-        let cpu = start.elapsed();
-        // What wgpu says comes first: a pass fails later because of it.
-        let needs = |failure: Failure| {
+        let rendered = render_frame(&self.gpu, &mut self.pipeline, host, input);
+        let cpu = rendered.map_err(|error| {
             let memory = stats::Memory::of(&self.pipeline, host.get::<GpuScene>());
-            failure.needing(|| memory.needs(self.args.size))
-        };
-        self.gpu.check().map_err(needs)?;
-        rendered?;
-        self.gpu.finish(encoder).map_err(needs)?;
+            Failure::from(error).needing(|| memory.needs(self.args.size))
+        })?;
         if self.args.stats {
             self.stats.add(&mut self.pipeline, cpu)?;
         }
@@ -254,13 +244,7 @@ impl Run<'_> {
         let Some(texture) = texture else {
             return Ok(None);
         };
-        let texels = scumble::readback(&self.gpu.device, &self.gpu.queue, texture)?;
-        let data = texels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-        Ok(Some(Image {
-            width: texture.width(),
-            height: texture.height(),
-            data,
-        }))
+        Ok(Some(read_image(&self.gpu, texture)?))
     }
 
     /// What `pass.port` carries.

@@ -1,8 +1,8 @@
 //! What frames cost: `--stats`.
 
-use crate::device::Gpu;
 use crate::failure::Failure;
 use scumble::{Pipeline, Report, ReportValue};
+use scumble_lab::Gpu;
 use scumble_scene::GpuScene;
 use serde_json::{Value, json};
 use std::time::Duration;

@@ -1,0 +1,39 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod balance;
+mod budget;
+mod cell;
+pub mod device;
+mod error;
+mod experiment;
+mod key;
+mod measure;
+mod output;
+mod plan;
+mod record;
+mod render;
+mod results;
+mod runner;
+mod scene;
+mod stage;
+mod statistics;
+mod student;
+
+pub use budget::{Spending, budget_params, spend, spending};
+pub use device::{DeviceError, Gpu};
+pub use error::LabError;
+pub use experiment::{
+    Ablate, Budget, CameraPath, Experiment, Factor, GraphChoice, Measure, Motion, ReferenceChoice,
+};
+pub use key::Key;
+pub use measure::{Exposed, Flickering, Guide, exposure};
+pub use plan::{CameraDesign, Design, Factorial, Plan, Variant, VariantDesign};
+pub use record::{FrameRecord, Record};
+pub use render::{FrameError, read_image, render_frame};
+pub use results::{EffectsOf, Failure, Index, MetricSummary, Results, Summary, merge};
+pub use runner::{Event, Runner, Shard, Spent, measure_speed};
+pub use scene::load_scene;
+pub use statistics::{Effect, Estimate, LEVEL, effects, quantile};
+pub use student::student_t;

@@ -1,0 +1,198 @@
+//! Experiments from their file to their results, on the adapter that is there.
+
+use scumble_lab::{
+    Event, Experiment, Failure, Gpu, Index, Plan, Record, Results, Runner, Shard, device, merge,
+};
+use std::path::{Path, PathBuf};
+
+/// A graph that traces and averages, so that it has a history.
+const TRACE: &str = r#"(
+    version: 1,
+    about: "traced",
+    passes: [
+        (use: "gbuffer"),
+        (use: "path-trace", with: (max_bounces: 1)),
+        (use: "recombine", in: {"irradiance": "path-trace.irradiance", "emission": "gbuffer.emission"}),
+        (use: "progressive", in: {"value": "recombine.radiance"}),
+        (use: "./gain.wgsl", in: {"value": "progressive.value"}),
+    ],
+    outputs: {"linear": "gain.result"},
+)"#;
+
+/// The same without the last pass.
+const PLAIN: &str = r#"(
+    version: 1,
+    extends: "trace.ron",
+    outputs: {"linear": "progressive.value"},
+)"#;
+
+/// Multiplies.
+const GAIN: &str = "// Multiplies an image.
+//   out = scale value
+// port value: radiance, full; the image
+@group(0) @binding(0) var value: texture_2d<f32>;
+// port result: radiance, full; brighter
+@group(0) @binding(1) var out_result: texture_storage_2d<{{result.format}}, write>;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    textureStore(out_result, id.xy, SCALE * textureLoad(value, id.xy, 0));
+}
+";
+
+fn gpu() -> Gpu {
+    let adapter = device::adapter(None).unwrap();
+    Gpu::open(&adapter, wgpu::Features::empty()).unwrap()
+}
+
+const STILL: &str = "(still: 0, frames: 2)";
+const BOTH: &str = "(still: 0, frames: 2), (orbit: (degrees: 5), frames: 2)";
+
+/// A folder with the graphs and an experiment.
+fn folder(scale: &str, scenes: &str, compare: &str, camera: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("trace.ron", TRACE);
+    write("plain.ron", PLAIN);
+    write("gain.wgsl", &GAIN.replace("SCALE", scale));
+    let text = format!(
+        r#"(version: 1, about: "test", scenes: [{scenes}], base: "plain.ron", compare: [{compare}],
+        camera: [{camera}], seeds: 2, budget: EqualRays(2),
+        reference: (samples: 4, every: 2), metrics: [RelMse, Ssim, Flicker], size: (24, 16))"#
+    );
+    write("e.ron", &text);
+    folder
+}
+
+/// Runs a part; gives what is found, and what was rendered rather than found.
+fn run(gpu: &Gpu, folder: &Path, output: &Path, shard: Shard) -> (Index, Vec<String>) {
+    let registry = scumble_passes::registry();
+    let experiment = Experiment::read(folder.join("e.ron"), false).unwrap();
+    let plan = Plan::new(experiment, &registry);
+    let mut rendered = Vec::new();
+    let mut listener = |event: Event<'_>| {
+        if let Event::Doing(what) = event {
+            rendered.push(what.to_owned());
+        }
+    };
+    let runner = Runner::new(gpu, &registry, &plan, output, shard, &mut listener).unwrap();
+    let (index, spent) = runner.run().unwrap();
+    assert!(spent.rendering <= spent.whole);
+    rendered.retain(|what| !what.starts_with("loading") && !what.ends_with("references"));
+    (index, rendered)
+}
+
+/// What a run measured, without what depends on the clock.
+fn measured(index: &Index, output: &Path) -> Vec<Record> {
+    let results = Results::new(index.clone(), output);
+    let mut records = results.runs;
+    for record in &mut records {
+        record.seconds.clear();
+        record.passes.clear();
+    }
+    records
+}
+
+fn runs(output: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(output.join("runs")).unwrap();
+    let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths
+}
+
+#[test]
+fn an_interrupted_experiment_goes_on_and_shards_merge() {
+    let gpu = gpu();
+    let folder = folder("1.0", "\"cornell\"", "\"trace.ron\"", BOTH);
+    let output = folder.path().join("whole");
+    let (index, rendered) = run(&gpu, folder.path(), &output, Shard::WHOLE);
+    assert_eq!(index.failures, []);
+    // 2 camera paths, 2 variants, 2 seeds.
+    assert_eq!((index.keys.len(), rendered.len()), (8, 8));
+    let whole = measured(&index, &output);
+    // A run is of its seed, and a gain of 1 changes nothing but by rounding to half floats.
+    assert_ne!(whole[0].frames, whole[1].frames);
+    let (plain, gained) = (
+        whole[0].value("relmse").unwrap(),
+        whole[2].value("relmse").unwrap(),
+    );
+    assert!((plain / gained - 1.0).abs() < 0.01, "{plain} {gained}");
+    // One path per pixel at least went through the box: a camera path and its shadow ray.
+    assert!(
+        whole
+            .iter()
+            .all(|r| r.rays.iter().all(|&n| n >= 24.0 * 16.0))
+    );
+    assert!(whole.iter().all(|r| r.flicker.unwrap() > 0.0));
+
+    // Nothing is rendered twice.
+    let (again, rendered) = run(&gpu, folder.path(), &output, Shard::WHOLE);
+    assert_eq!((again.clone(), rendered.len()), (index.clone(), 0));
+
+    // What is missing or broken is rendered again, on a fresh pipeline, and is the same: a seed does not see the
+    // histories of the one before.
+    let records = runs(&output);
+    std::fs::remove_file(&records[0]).unwrap();
+    std::fs::write(&records[5], "{").unwrap();
+    let (again, rendered) = run(&gpu, folder.path(), &output, Shard::WHOLE);
+    assert_eq!((again, rendered.len()), (index, 2));
+    assert_eq!(measured(&Index::read(&output).unwrap(), &output), whole);
+
+    // Two parts are disjoint and together the whole.
+    let parts = [1, 2].map(|index| {
+        let part = folder.path().join(format!("part{index}"));
+        let shard = Shard { index, count: 2 };
+        let (_, rendered) = run(&gpu, folder.path(), &part, shard);
+        assert_eq!(rendered.len(), 4);
+        part
+    });
+    let merged = folder.path().join("merged");
+    let index = merge(&parts, &merged).unwrap();
+    assert_eq!(measured(&index, &merged), whole);
+}
+
+#[test]
+fn a_changed_shader_renders_again_what_it_is_in() {
+    let gpu = gpu();
+    let folder = folder("1.0", "\"cornell\"", "\"trace.ron\"", STILL);
+    let output = folder.path().join("out");
+    run(&gpu, folder.path(), &output, Shard::WHOLE);
+    let shader = folder.path().join("gain.wgsl");
+    std::fs::write(&shader, GAIN.replace("SCALE", "4.0")).unwrap();
+    let (index, rendered) = run(&gpu, folder.path(), &output, Shard::WHOLE);
+    let of_it = |what: &String| what.ends_with("trace");
+    assert!(
+        rendered.iter().all(of_it) && rendered.len() == 2,
+        "{rendered:?}"
+    );
+    let records = measured(&index, &output);
+    assert!(records[2].value("relmse") > records[0].value("relmse"));
+}
+
+#[test]
+fn what_fails_is_told_and_the_rest_goes_on() {
+    let gpu = gpu();
+    // Infinity, in a way that no compiler sees.
+    let scenes = "\"nowhere.glb\", \"cornell\"";
+    let folder = folder(
+        "bitcast<f32>(0x7f800000u | (id.x / 65536u))",
+        scenes,
+        "\"trace.ron\", \"missing.ron\"",
+        STILL,
+    );
+    let output = folder.path().join("out");
+    let (index, _) = run(&gpu, folder.path(), &output, Shard::WHOLE);
+    // The base, with two seeds.
+    assert_eq!(index.keys.len(), 2);
+    let of =
+        |wanted: &dyn Fn(&Failure) -> bool| index.failures.iter().filter(|f| wanted(f)).count();
+    assert_eq!(of(&|f| f.scene.as_deref() == Some("nowhere.glb")), 1);
+    let missing = of(&|f| f.variant.as_deref() == Some("missing") && f.message.contains("SC001"));
+    assert_eq!(missing, 1);
+    let infinite = |f: &Failure| f.seed.is_some() && f.message.contains("such values");
+    assert_eq!(of(&infinite), 2, "{:#?}", index.failures);
+    assert_eq!(index.failures.len(), 4);
+    let results = Results::new(index, &output);
+    assert_eq!(results.summaries.len(), 1);
+    assert!(results.text().contains("plain"));
+}
