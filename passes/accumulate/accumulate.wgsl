@@ -21,7 +21,7 @@ struct Params {
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
-@group(0) @binding(1) var footprint: texture_2d<u32>;
+@group(0) @binding(1) var footprint: texture_2d<f32>;
 @group(0) @binding(2) var value: texture_2d<f32>;
 @group(0) @binding(3) var moments: texture_2d<f32>;
 @group(0) @binding(4) var samples: texture_2d<f32>;
@@ -55,7 +55,7 @@ fn store(q: vec2i, s: State) {
 // The history at a footprint; age 0 where there is none. A Catmull-Rom spline may swing below 0, which light may not.
 fn fetch(q: vec2i) -> State {
     var sum = State(vec3f(0.0), vec2f(0.0), vec2f(0.0), 0.0);
-    let f = footprint_decode(textureLoad(footprint, q, 0).xy);
+    let f = footprint_decode(textureLoad(footprint, q, 0), q);
     if f.mode == FOOTPRINT_NONE || params.has_history == 0u {
         return sum;
     }

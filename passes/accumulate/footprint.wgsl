@@ -1,5 +1,6 @@
-// Which texels of the previous frame a texel's history comes from, packed into two words:
-//   x: the base texel, 2 x 16 bits;   y: mode (2 bits), taps, and the fraction (2 x 11 bits) of a sampled footprint.
+// Which texels of the previous frame a texel's history comes from, packed into four small whole numbers, which half floats hold exactly:
+//   x, y: the base texel, less this one;   z: 8 fraction.x + taps & 7;   w: 8 fraction.y + 2 mode + taps >> 3
+// with fractions in steps of 1/256, as those of texture units; of a searched footprint z is the taps, w 2 mode.
 // Bilinear weights over the valid taps of 2x2, renormalised; E. Catmull, R. Rom, "A Class of Local Interpolating Splines", 1974,
 // over 4x4; or the plain mean of the valid taps of 3x3 (Schied et al. 2017, section 4.1).
 
@@ -9,9 +10,9 @@ const FOOTPRINT_SEARCHED: u32 = 2u;
 const FOOTPRINT_CATMULL_ROM: u32 = 3u;
 
 // Steps of the fraction per texel.
-const FRACTION: f32 = 2048.0;
-// Added to base texels, which may lie outside the image.
-const BASE_OFFSET: i32 = 16;
+const FRACTION: f32 = 256.0;
+// What moves by more texels in a frame has no history.
+const FARTHEST: i32 = 2048;
 
 struct Footprint {
     mode: u32,
@@ -28,31 +29,34 @@ fn tap_3x3(i: i32) -> vec2i {
     return vec2i(i % 3, i / 3) - 1;
 }
 
-fn footprint_none() -> vec4u {
-    return vec4u(0u);
+fn footprint_none() -> vec4f {
+    return vec4f(0.0);
 }
 
-fn footprint_base(base: vec2i) -> u32 {
-    let b = vec2u(base + BASE_OFFSET);
-    return b.x | (b.y << 16u);
-}
-
-fn footprint_sampled(mode: u32, base: vec2i, fraction: vec2u, taps: u32) -> vec4u {
-    return vec4u(footprint_base(base), (mode << 30u) | (taps << 22u) | (fraction.y << 11u) | fraction.x, 0u, 0u);
-}
-
-fn footprint_searched(centre: vec2i, taps: u32) -> vec4u {
-    return vec4u(footprint_base(centre), (FOOTPRINT_SEARCHED << 30u) | taps, 0u, 0u);
-}
-
-fn footprint_decode(packed: vec2u) -> Footprint {
-    let mode = packed.y >> 30u;
-    let base = vec2i(i32(packed.x & 0xffffu), i32(packed.x >> 16u)) - BASE_OFFSET;
-    if mode == FOOTPRINT_SEARCHED {
-        return Footprint(mode, base, vec2f(0.0), packed.y & 0x1ffu);
+fn footprint_words(q: vec2i, base: vec2i, z: u32, w: u32) -> vec4f {
+    if any(abs(base - q) > vec2i(FARTHEST)) {
+        return footprint_none();
     }
-    let fraction = vec2f(vec2u(packed.y & 0x7ffu, (packed.y >> 11u) & 0x7ffu)) / FRACTION;
-    return Footprint(mode, base, fraction, (packed.y >> 22u) & 0xfu);
+    return vec4f(vec2f(base - q), f32(z), f32(w));
+}
+
+fn footprint_sampled(q: vec2i, mode: u32, base: vec2i, fraction: vec2u, taps: u32) -> vec4f {
+    return footprint_words(q, base, 8u * fraction.x + (taps & 7u), 8u * fraction.y + 2u * mode + (taps >> 3u));
+}
+
+fn footprint_searched(q: vec2i, centre: vec2i, taps: u32) -> vec4f {
+    return footprint_words(q, centre, taps, 2u * FOOTPRINT_SEARCHED);
+}
+
+fn footprint_decode(packed: vec4f, q: vec2i) -> Footprint {
+    let base = q + vec2i(packed.xy);
+    let words = vec2u(packed.zw);
+    let mode = (words.y >> 1u) & 3u;
+    if mode == FOOTPRINT_SEARCHED {
+        return Footprint(mode, base, vec2f(0.0), words.x);
+    }
+    let taps = (words.x & 7u) | ((words.y & 1u) << 3u);
+    return Footprint(mode, base, vec2f(words >> vec2u(3u)) / FRACTION, taps);
 }
 
 fn footprint_count(f: Footprint) -> i32 {

@@ -4,7 +4,7 @@ use framegraph::{ComputeKernel, First};
 use scumble::{
     BuildContext, BuildError, Bypass, FirstFrame, Pass, PassFrame, Port, RecordError, signal,
 };
-use wgpu::TextureFormat::{R32Float, R32Uint, Rg32Float, Rg32Uint};
+use wgpu::TextureFormat::{R32Float, R32Uint, Rg32Float, Rgba16Float};
 
 scumble::choice! {
     /// What tells that a texel of the previous frame shows the same surface.
@@ -112,7 +112,7 @@ impl Pass for Accumulate {
     fn outputs() -> Vec<Port> {
         let state = |name, signal| Port::new(name, signal).any_resolution().optional();
         vec![
-            Port::any("value").precise().about("accumulated"),
+            Port::any("value").precise_if_kept().about("accumulated"),
             state("moments", signal::MOMENTS).about("accumulated"),
             state("age", signal::AGE).about("samples accumulated"),
             state("weights", signal::WEIGHTS)
@@ -145,7 +145,7 @@ impl Pass for Accumulate {
         frame: &mut PassFrame<'_, '_>,
     ) -> Result<(), RecordError> {
         let size = frame.size_of("value");
-        let footprint = frame.transient("footprint", Rg32Uint, size);
+        let footprint = frame.transient("footprint", Rgba16Float, size);
         let (dispatch, footprint) = frame
             .dispatch("reproject", &self.reproject)
             .write("footprint", footprint);

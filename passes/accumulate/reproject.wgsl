@@ -39,7 +39,7 @@ struct Params {
 @group(0) @binding(8) var previous_normal: texture_2d<u32>;
 @group(0) @binding(9) var previous_surface_id: texture_2d<u32>;
 @group(0) @binding(10) var previous_pixel: texture_2d<u32>;
-@group(0) @binding(11) var footprint: texture_storage_2d<rg32uint, write>;
+@group(0) @binding(11) var footprint: texture_storage_2d<rgba16float, write>;
 
 const DEPTH_PLANE: u32 = 0u;
 const CATMULL_ROM: u32 = 1u;
@@ -138,7 +138,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
                 }
             }
         }
-        textureStore(footprint, q, footprint_sampled(mode, base, fraction, taps));
+        textureStore(footprint, q, footprint_sampled(q, mode, base, fraction, taps));
         return;
     }
     let centre = vec2i(floor(p + 0.5));
@@ -150,6 +150,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if taps == 0u {
         textureStore(footprint, q, footprint_none());
     } else {
-        textureStore(footprint, q, footprint_searched(centre, taps));
+        textureStore(footprint, q, footprint_searched(q, centre, taps));
     }
 }

@@ -2,7 +2,7 @@
 
 use framegraph::{ComputeKernel, First};
 use scumble::{BuildContext, BuildError, FirstFrame, Pass, PassFrame, Port, RecordError, signal};
-use wgpu::TextureFormat::{R32Uint, Rg32Uint};
+use wgpu::TextureFormat::{R32Uint, Rgba16Float};
 
 pub use crate::accumulate::DepthTest;
 
@@ -95,7 +95,7 @@ impl Pass for GradientSamples {
         let Some(normal) = frame.input("normal") else {
             return Err(RecordError::Failed("it has no normal".into()));
         };
-        let footprint = frame.transient("footprint", Rg32Uint, size);
+        let footprint = frame.transient("footprint", Rgba16Float, size);
         let (dispatch, footprint) = frame
             .dispatch("reproject", &self.reproject)
             .set("sampling", 0u32)

@@ -16,7 +16,7 @@ struct Params {
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
-@group(0) @binding(1) var footprint: texture_2d<u32>;
+@group(0) @binding(1) var footprint: texture_2d<f32>;
 @group(0) @binding(2) var previous_seeds: texture_2d<u32>;
 @group(0) @binding(3) var next_seeds: texture_storage_2d<r32uint, write>;
 @group(0) @binding(4) var out_source: texture_storage_2d<rg32uint, write>;
@@ -41,7 +41,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var source = vec2u(NO_SOURCE);
     let stratum = id.xy / 3u;
     let k = hashed(stratum, STRATA) % 9u;
-    let f = footprint_decode(textureLoad(footprint, q, 0).xy);
+    let f = footprint_decode(textureLoad(footprint, q, 0), q);
     if all(id.xy == 3u * stratum + vec2u(k % 3u, k / 3u)) && f.mode != FOOTPRINT_NONE {
         var most = 0.0;
         for (var i = 0; i < footprint_count(f); i++) {

@@ -82,6 +82,9 @@ fn motion_at(q: vec2i, size: vec2i) -> vec2f {
     return longest;
 }
 
+// Of a texel.
+const STEPS: f32 = 2048.0;
+
 // The history in the space of blending, and 1 in w where there is some.
 fn fetch(q: vec2i, size: vec2i) -> vec4f {
     let m = motion_at(q, size);
@@ -92,7 +95,8 @@ fn fetch(q: vec2i, size: vec2i) -> vec4f {
     if any(p < vec2f(-0.5)) || any(p > vec2f(size) - 0.5) {
         return vec4f(0.0);
     }
-    let fine = round(p * FRACTION) / FRACTION;
+    // Rounding errors of motion must not leak neighbours in.
+    let fine = round(p * STEPS) / STEPS;
     let base = vec2i(floor(fine));
     let mode = select(FOOTPRINT_BILINEAR, FOOTPRINT_CATMULL_ROM, params.sampling == CATMULL_ROM);
     let f = Footprint(mode, base, fine - vec2f(base), 15u);

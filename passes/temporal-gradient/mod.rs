@@ -2,7 +2,7 @@
 
 use framegraph::ComputeKernel;
 use scumble::{BuildContext, BuildError, FirstFrame, Pass, PassFrame, Port, RecordError, signal};
-use wgpu::TextureFormat::{Rg32Float, Rg32Uint, Rgba32Float};
+use wgpu::TextureFormat::{Rg32Float, Rgba16Float, Rgba32Float};
 
 pub use crate::accumulate::DepthTest;
 pub use crate::edges::DepthForm;
@@ -166,7 +166,7 @@ impl Pass for TemporalGradient {
         if frame.input("source").is_some() && frame.input("previous_value").is_some() {
             return self.by_samples(frame, size);
         }
-        let footprint = frame.transient("footprint", Rg32Uint, size);
+        let footprint = frame.transient("footprint", Rgba16Float, size);
         let (dispatch, footprint) = frame
             .dispatch("reproject", &self.reproject)
             // Bilinear; a texel that only the search finds knows too little of where it was to accuse its history.

@@ -11,7 +11,7 @@ struct Params {
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
-@group(0) @binding(1) var footprint: texture_2d<u32>;
+@group(0) @binding(1) var footprint: texture_2d<f32>;
 @group(0) @binding(2) var history: texture_2d<f32>;
 @group(0) @binding(3) var previous_variance: texture_2d<f32>;
 // Luminance and variance; the luminance is NO_PAST where there is no history.
@@ -28,7 +28,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     var sum = vec2f(0.0);
     var weight = 0.0;
-    let f = footprint_decode(textureLoad(footprint, q, 0).xy);
+    let f = footprint_decode(textureLoad(footprint, q, 0), q);
     if f.mode != FOOTPRINT_NONE && params.has_history != 0u {
         for (var i = 0; i < footprint_count(f); i++) {
             let w = footprint_weight(f, i);

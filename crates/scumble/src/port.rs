@@ -31,6 +31,8 @@ pub struct Port {
     pub first: Option<FirstFrame>,
     /// For an output: stored in [`Signal::precise_format`].
     pub precise: bool,
+    /// For an output: so stored where it outlives its frame, as what is read `@prev` and what the graph gives do.
+    pub precise_if_kept: bool,
     /// What it is, in one line.
     pub about: &'static str,
 }
@@ -77,6 +79,7 @@ impl Port {
             source: None,
             first: None,
             precise: false,
+            precise_if_kept: false,
             about: "",
         }
     }
@@ -128,6 +131,12 @@ impl Port {
     /// Stored in [`Signal::precise_format`].
     pub const fn precise(mut self) -> Self {
         self.precise = true;
+        self
+    }
+
+    /// See [`Port::precise_if_kept`].
+    pub const fn precise_if_kept(mut self) -> Self {
+        self.precise_if_kept = true;
         self
     }
 

@@ -198,7 +198,7 @@ impl Frame {
         let moved = self.motion.at(q);
         let p = [0, 1].map(|i| {
             let p = f64::from(q[i]) - moved[i] * f64::from(self.value.size[i]);
-            (p * 2048.0).round() / 2048.0
+            (p * 256.0).round() / 256.0
         });
         let base = p.map(|v| v.floor() as i64);
         let f = [0, 1].map(|i| p[i] - base[i] as f64);

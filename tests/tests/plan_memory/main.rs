@@ -4,11 +4,12 @@
 //! undercut. `BLESS=1 cargo test --test plan_memory` writes that file. No GPU is needed.
 
 mod deferred;
+mod filters;
 mod random;
 
 use std::sync::Arc;
 
-use framegraph::{PlanMemory, Pool};
+use framegraph::{PlanMemory, Pool, Snapshot};
 use glam::Mat4;
 use scumble::{Camera, Edits, FrameInput, Host, Pipeline, resolve};
 use scumble_scene::GpuScene;
@@ -33,7 +34,7 @@ fn noop() -> (wgpu::Device, wgpu::Queue) {
 }
 
 /// A frame of a graph file, once its histories exist.
-fn pipeline(device: &wgpu::Device, queue: &wgpu::Queue, file: &str) -> PlanMemory {
+fn pipeline(device: &wgpu::Device, queue: &wgpu::Queue, file: &str) -> Snapshot {
     let registry = scumble_passes::registry();
     let graph = resolve(graph_file(file), &registry, &Edits::default()).unwrap();
     let scene = scumble_scene::builtin("furnace").unwrap();
@@ -56,7 +57,7 @@ fn pipeline(device: &wgpu::Device, queue: &wgpu::Queue, file: &str) -> PlanMemor
         };
         pipeline.render(&mut encoder, &input, &mut host).unwrap();
     }
-    pipeline.plan().unwrap().memory.clone()
+    pipeline.plan().unwrap().clone()
 }
 
 const SIZE: [u32; 2] = [1920, 1080];
@@ -106,7 +107,10 @@ fn every_class_has_as_few_slots_as_can_be() {
     let pool = Pool::new(&device, &queue);
     let mut table = String::new();
     for file in ["upsample-2016.ron", "reference.ron"] {
-        table += &row(&format!("`{file}`"), &pipeline(&device, &queue, file));
+        table += &row(
+            &format!("`{file}`"),
+            &pipeline(&device, &queue, file).memory,
+        );
     }
     let deferred = deferred::plan(&pool, SIZE).memory();
     table += &row("deferred-style frame", &deferred);

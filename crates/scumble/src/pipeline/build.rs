@@ -101,6 +101,12 @@ pub(super) fn wire(resolved: &Resolved) -> (Vec<Built>, Vec<Feedback>, Vec<Vec<u
     (passes, feedback, readers)
 }
 
+/// Marks an output as one that outlives its frame.
+pub(super) fn keep(passes: &mut [Built], (pass, output): (usize, usize)) {
+    let port = &mut passes[pass].info.outputs[output];
+    port.precise |= port.precise_if_kept;
+}
+
 /// Marks an output as read.
 pub(super) fn want(passes: &mut [Built], wire: Wire) {
     if let Wire::Port { pass, output, .. } = wire {

@@ -118,6 +118,12 @@ impl Pipeline {
         let outputs: Vec<_> = outputs.collect();
         for output in &outputs {
             build::want(&mut passes, output.from);
+            if let Wire::Port { pass, output, .. } = output.from {
+                build::keep(&mut passes, (pass, output));
+            }
+        }
+        for f in &feedback {
+            build::keep(&mut passes, (f.pass, f.output));
         }
         let mut pipeline = Pipeline {
             device: device.clone(),

@@ -197,3 +197,37 @@ fn a_forgotten_past_still_begins_a_new_one() {
         [-1.0, 404.0, 505.0]
     );
 }
+
+#[test]
+fn what_outlives_its_frame_is_precise() {
+    let Some(_) = gpu() else { return };
+    for (past, output, format) in [
+        (
+            "sum.value@prev",
+            "blur.value",
+            wgpu::TextureFormat::Rgba32Float,
+        ),
+        (
+            "blur.value@prev",
+            "sum.value",
+            wgpu::TextureFormat::Rgba32Float,
+        ),
+        (
+            "blur.value@prev",
+            "blur.value",
+            wgpu::TextureFormat::Rgba16Float,
+        ),
+    ] {
+        let wires: &'static [_] = Box::leak(Box::new([("value", "ramp.value"), ("past", past)]));
+        let rows: Vec<Row> = vec![
+            ("ramp", "ramp", &[]),
+            ("sum", "past-clear", wires),
+            ("blur", "blur", &[("value", "sum.value")]),
+        ];
+        let mut rig = Rig::new(graph(&registry(), &rows, &[("out", output)]), [4, 4]);
+        rig.pipeline.tap("sum.value").unwrap();
+        rig.render(&FrameInput::default());
+        let sum = rig.pipeline.tapped("sum.value").unwrap();
+        assert_eq!(sum.format(), format, "{past}, {output}");
+    }
+}

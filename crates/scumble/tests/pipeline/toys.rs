@@ -186,7 +186,7 @@ impl<const RULE: u32> Pass for Past<RULE> {
     }
 
     fn outputs() -> Vec<Port> {
-        vec![Port::any("value").precise().about("the sum")]
+        vec![Port::any("value").precise_if_kept().about("the sum")]
     }
 
     fn bypass() -> Vec<Bypass> {
