@@ -94,7 +94,11 @@ pub fn effects(values: &[Vec<f64>]) -> Option<Vec<Effect>> {
         let contrast = |seed: usize| {
             let signed = values.iter().enumerate().map(|(c, v)| {
                 let missing = (subset & !c).count_ones();
-                if missing.is_multiple_of(2) { v[seed] } else { -v[seed] }
+                if missing.is_multiple_of(2) {
+                    v[seed]
+                } else {
+                    -v[seed]
+                }
             });
             signed.sum::<f64>() / (combinations / 2).max(1) as f64
         };
