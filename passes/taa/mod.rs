@@ -56,8 +56,10 @@ scumble::choice! {
 scumble::params! {
     /// What `taa` can be told.
     pub struct TaaParams {
-        /// Weight of the new colour.
+        /// Least weight of the new colour, r0.
         pub blend: f32 = 0.1, in 0.0..=1.0;
+        /// Whether the first frames weigh alike until 1 / n is r0; else the very first weighs most for long.
+        pub warm_up: bool = true;
         /// Where colours are blended.
         pub space: Space = Space::Reversible;
         /// How the history is kept near the new colours.

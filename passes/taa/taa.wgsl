@@ -1,5 +1,5 @@
 // Temporal anti-aliasing: a running blend along motion, the history kept near what the neighbourhood of the new colour allows.
-//   c' = r x + (1 - r) rectify(p)
+//   c' = r x + (1 - r) rectify(p),   r = max(r0, 1 / (n + 1)) after n frames, with warm_up, else r0
 //   Clamp    p' = clamp(p, c_min, c_max)
 //   Clip     p' = m + (p - m) / max(1, max_k |(p - m)_k / e_k|)        m, e: middle and half extent of the box
 //   Nearest  p' = the colour of the 3x3 nearest to p
@@ -21,6 +21,7 @@ struct Params {
     slack: f32,
     sampling: u32,
     longest_motion: u32,
+    warm_up: u32,
     has_samples: u32,
 }
 
@@ -85,7 +86,10 @@ fn motion_at(q: vec2i, size: vec2i) -> vec2f {
 // Of a texel.
 const STEPS: f32 = 2048.0;
 
-// The history in the space of blending, and 1 in w where there is some.
+// More frames are not counted; half floats hold each number up to it.
+const MOST_FRAMES: f32 = 1024.0;
+
+// The history in the space of blending, and in w of how many frames it is; 0 where there is none.
 fn fetch(q: vec2i, size: vec2i) -> vec4f {
     let m = motion_at(q, size);
     if !is_finite(m.x) || !is_finite(m.y) {
@@ -101,20 +105,22 @@ fn fetch(q: vec2i, size: vec2i) -> vec4f {
     let mode = select(FOOTPRINT_BILINEAR, FOOTPRINT_CATMULL_ROM, params.sampling == CATMULL_ROM);
     let f = Footprint(mode, base, fine - vec2f(base), 15u);
     var sum = vec3f(0.0);
+    var frames = 0.0;
     var weight = 0.0;
     for (var i = 0; i < footprint_count(f); i++) {
         let w = footprint_weight(f, i);
         let c = textureLoad(previous_value, clamp(footprint_tap(f, i), vec2i(0), size - 1), 0);
-        // Alpha says that there was a colour.
+        // Alpha says of how many frames the colour is.
         if w != 0.0 && c.a > 0.0 && is_finite4(c) {
             sum += w * to_space(c.rgb);
+            frames += w * c.a;
             weight += w;
         }
     }
     if weight < 0.5 {
         return vec4f(0.0);
     }
-    return vec4f(sum / weight, 1.0);
+    return vec4f(sum / weight, clamp(frames / weight, 1.0, MOST_FRAMES));
 }
 
 fn rectified(p: vec3f, q: vec2i, size: vec2i) -> vec3f {
@@ -177,12 +183,14 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     if !sampled {
-        textureStore(next_value, q, vec4f(from_space(past.rgb), 1.0));
+        textureStore(next_value, q, vec4f(from_space(past.rgb), past.w));
         return;
     }
     var p = past.rgb;
     if params.rectify == RECTIFY_CLAMP || params.rectify == RECTIFY_CLIP || params.rectify == RECTIFY_NEAREST {
         p = rectified(p, q, size);
     }
-    textureStore(next_value, q, vec4f(from_space(mix(p, to_space(x.rgb), params.blend)), 1.0));
+    let r = max(params.blend, select(0.0, 1.0 / (past.w + 1.0), params.warm_up != 0u));
+    let frames = min(past.w + 1.0, MOST_FRAMES);
+    textureStore(next_value, q, vec4f(from_space(mix(p, to_space(x.rgb), r)), frames));
 }

@@ -12,6 +12,7 @@ struct Rule {
     slack: f64,
     spline: bool,
     longest: bool,
+    warm_up: bool,
 }
 
 const BLEND: f64 = 0.1;
@@ -89,7 +90,7 @@ fn twin(
         } else {
             (0..=1, &line)
         };
-        let (mut sum, mut weight) = ([0.0; 3], 0.0);
+        let (mut sum, mut frames, mut weight) = ([0.0; 3], 0.0, 0.0);
         for (dy, dx) in taps.clone().flat_map(|y| taps.clone().map(move |x| (y, x))) {
             let tap = [
                 (base[0] + dx).clamp(0, size[0] - 1),
@@ -98,8 +99,10 @@ fn twin(
             let c = before.at(tap.map(|v| v as u32));
             let w = weigh(dx, f[0]) * weigh(dy, f[1]);
             if c[3] > 0.0 && w != 0.0 {
+                let age = c[3];
                 let c = to_space(c, rule);
                 (0..3).for_each(|i| sum[i] += w * c[i]);
+                frames += w * age;
                 weight += w;
             }
         }
@@ -115,8 +118,10 @@ fn twin(
             });
         }
         let mut p = sum.map(|s| s / weight);
+        let frames = (frames / weight).clamp(1.0, 1024.0);
+        let of_frames = |c: [f64; 4], n: f64| Some([c[0], c[1], c[2], n]);
         if !finite || samples.x(q) == 0.0 {
-            return Some(from_space(p, rule));
+            return of_frames(from_space(p, rule), frames);
         }
         let colours: Vec<[f64; 3]> = around(1)
             .map(|p| value.at(p))
@@ -170,10 +175,12 @@ fn twin(
             _ => {}
         }
         let new = to_space(x, rule);
-        Some(from_space(
-            [0, 1, 2].map(|i| BLEND * new[i] + (1.0 - BLEND) * p[i]),
-            rule,
-        ))
+        let r = match rule.warm_up {
+            true => BLEND.max(1.0 / (frames + 1.0)),
+            false => BLEND,
+        };
+        let blended = [0, 1, 2].map(|i| r * new[i] + (1.0 - r) * p[i]);
+        of_frames(from_space(blended, rule), (frames + 1.0).min(1024.0))
     })
 }
 
@@ -188,6 +195,7 @@ fn agrees_with_its_twin() {
         slack: 0.0,
         spline: true,
         longest: true,
+        warm_up: true,
     };
     let rules = [
         plain,
@@ -201,6 +209,7 @@ fn agrees_with_its_twin() {
         },
         Rule {
             variance: true,
+            warm_up: false,
             ..plain
         },
         Rule {
@@ -240,7 +249,7 @@ fn agrees_with_its_twin() {
                 (value, samples, motion)
             });
             let with = format!(
-                "space: {}, rectify: {}, colors: {}, bounds: {}, gamma: {GAMMA}, slack: {:?}, sampling: {}, longest_motion: {}",
+                "space: {}, rectify: {}, colors: {}, bounds: {}, gamma: {GAMMA}, slack: {:?}, sampling: {}, longest_motion: {}, warm_up: {}",
                 if rule.reversible {
                     "Reversible"
                 } else {
@@ -256,6 +265,7 @@ fn agrees_with_its_twin() {
                     "Bilinear"
                 },
                 rule.longest,
+                rule.warm_up,
             );
             let (value, samples, motion) = &frames[0];
             let mut session = Run::new("taa", &with, size)
