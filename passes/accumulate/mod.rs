@@ -56,6 +56,52 @@ pub struct Accumulate {
     accumulate: ComputeKernel,
 }
 
+/// What `reproject.wgsl` reads, of this frame and of the one before: the inputs of every pass that looks back along motion.
+pub(crate) fn reprojection_inputs() -> Vec<Port> {
+    let guide = |name, signal| Port::new(name, signal).any_resolution();
+    let before = |name, signal, about| {
+        let port = guide(name, signal).optional();
+        port.first(FirstFrame::Skip).about(about)
+    };
+    vec![
+        guide("view_z", signal::VIEW_Z).about("where there is a surface"),
+        guide("normal", signal::NORMAL).about("guide"),
+        guide("motion", signal::MOTION).about("where history is"),
+        guide("surface_id", signal::SURFACE_ID)
+            .optional()
+            .about("guide"),
+        guide("past_view_z", signal::VIEW_Z)
+            .optional()
+            .about("distance of the same surface point in the previous frame; view_z without it"),
+        before(
+            "previous_view_z",
+            signal::VIEW_Z,
+            "view_z of the previous frame",
+        ),
+        before(
+            "previous_normal",
+            signal::NORMAL,
+            "normal of the previous frame",
+        ),
+        before(
+            "previous_surface_id",
+            signal::SURFACE_ID,
+            "surface_id of the previous frame",
+        ),
+    ]
+}
+
+/// The rest of it, for texels that stand for one pixel of many.
+pub(crate) fn pixel_inputs() -> Vec<Port> {
+    let pixel = |name| Port::new(name, signal::PIXEL).any_resolution().optional();
+    vec![
+        pixel("pixel").about("which pixel each texel was traced at; cell centres without it"),
+        pixel("previous_pixel")
+            .first(FirstFrame::Skip)
+            .about("pixel of the previous frame"),
+    ]
+}
+
 impl Pass for Accumulate {
     type Params = AccumulateParams;
     const NAME: &'static str = "accumulate";
@@ -65,14 +111,7 @@ impl Pass for Accumulate {
 
     fn inputs() -> Vec<Port> {
         let guide = |name, signal| Port::new(name, signal).any_resolution();
-        let before = |name, signal, about| {
-            Port::new(name, signal)
-                .any_resolution()
-                .optional()
-                .first(FirstFrame::Skip)
-                .about(about)
-        };
-        vec![
+        let mut inputs = vec![
             Port::any("value").about("this frame's estimate"),
             Port::any("history")
                 .first(FirstFrame::Skip)
@@ -86,27 +125,10 @@ impl Pass for Accumulate {
             guide("confidence", signal::CONFIDENCE)
                 .optional()
                 .about("how far the history may be trusted; wholly without it"),
-            guide("view_z", signal::VIEW_Z).about("where there is a surface"),
-            guide("normal", signal::NORMAL).about("guide"),
-            guide("motion", signal::MOTION).about("where history is"),
-            guide("surface_id", signal::SURFACE_ID)
-                .optional()
-                .about("guide"),
-            guide("past_view_z", signal::VIEW_Z)
-                .optional()
-                .about("distance of the same surface point in the previous frame; view_z without it"),
-            guide("pixel", signal::PIXEL)
-                .optional()
-                .about("which pixel each texel was traced at; cell centres without it"),
-            before("previous_view_z", signal::VIEW_Z, "view_z of the previous frame"),
-            before("previous_normal", signal::NORMAL, "normal of the previous frame"),
-            before(
-                "previous_surface_id",
-                signal::SURFACE_ID,
-                "surface_id of the previous frame",
-            ),
-            before("previous_pixel", signal::PIXEL, "pixel of the previous frame"),
-        ]
+        ];
+        inputs.extend(reprojection_inputs());
+        inputs.extend(pixel_inputs());
+        inputs
     }
 
     fn outputs() -> Vec<Port> {

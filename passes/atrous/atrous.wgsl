@@ -4,7 +4,7 @@
 // h is [1 2 1]/4 or [1 4 6 4 1]/16 in each axis. normal and depth: passes/edges.wgsl.
 // H. Dammertz et al., "Edge-Avoiding A-Trous Wavelet Transform for Fast Global Illumination Filtering", HPG 2010; C. Schied et al.,
 // "Spatiotemporal Variance-Guided Filtering", HPG 2017, equations 1 to 5; L. Dundr, "Progressive Spatiotemporal Variance-Based Path
-// Tracing Filtering", 2018, section 4.2, whose printed forms (Var without its root; a sum of Var w^2 without normaliser) are wrong or
+// Tracing Filtering", 2018, section 4.1.4, whose printed forms (Var without its root; a sum of Var w^2 without normaliser) are wrong or
 // not scale invariant; the first is `luminance: Variance`.
 
 #include "scumble/conventions.wgsl"

@@ -1,10 +1,11 @@
 #![doc = include_str!("README.md")]
 
 use framegraph::{ComputeKernel, First};
-use scumble::{BuildContext, BuildError, FirstFrame, Pass, PassFrame, Port, RecordError, signal};
+use scumble::{BuildContext, BuildError, Pass, PassFrame, Port, RecordError, signal};
 use wgpu::TextureFormat::{R32Uint, Rgba16Float};
 
 pub use crate::accumulate::DepthTest;
+use crate::accumulate::reprojection_inputs;
 
 scumble::params! {
     /// What `gradient-samples` can be told.
@@ -32,38 +33,7 @@ impl Pass for GradientSamples {
     const README: &'static str = include_str!("README.md");
 
     fn inputs() -> Vec<Port> {
-        let before = |name, signal, about| {
-            Port::new(name, signal)
-                .optional()
-                .first(FirstFrame::Skip)
-                .about(about)
-        };
-        vec![
-            Port::new("view_z", signal::VIEW_Z).about("where there is a surface"),
-            Port::new("normal", signal::NORMAL).about("guide"),
-            Port::new("motion", signal::MOTION).about("where the surface point was"),
-            Port::new("surface_id", signal::SURFACE_ID)
-                .optional()
-                .about("guide"),
-            Port::new("past_view_z", signal::VIEW_Z).optional().about(
-                "distance of the same surface point in the previous frame; view_z without it",
-            ),
-            before(
-                "previous_view_z",
-                signal::VIEW_Z,
-                "view_z of the previous frame",
-            ),
-            before(
-                "previous_normal",
-                signal::NORMAL,
-                "normal of the previous frame",
-            ),
-            before(
-                "previous_surface_id",
-                signal::SURFACE_ID,
-                "surface_id of the previous frame",
-            ),
-        ]
+        reprojection_inputs().into_iter().map(Port::full).collect()
     }
 
     fn outputs() -> Vec<Port> {

@@ -1,7 +1,7 @@
 // Holes of the G-buffer filled from a pyramid of thirds:
 //   down   x(p) = sum_q x(q) / n            over the n valid texels q of 3x3, surfaces or sky, of which there are more
 //   up     x(p) = sum_q w x(q) / sum_q w    for a hole p, over the valid ones of the 2x2 coarser texels, w bilinear
-// L. Dundr, "Progressive Spatiotemporal Variance-Based Path Tracing Filtering", 2018, section 4.2.2: "until there are no holes". Only
+// L. Dundr, "Progressive Spatiotemporal Variance-Based Path Tracing Filtering", 2018, section 4.2.1: "until no holes are visible". Only
 // valid texels are interpolated, with their weights renormalised; else holes would leak in as zeros.
 
 #include "scumble/conventions.wgsl"

@@ -1,7 +1,7 @@
 // Texels of a signal that have no value, as their alpha says, filled from a pyramid of thirds like that of pyramid.wgsl:
 //   down   x(p) = sum_q x(q) / n            over the n texels q of 3x3 that have a value
 //   up     x(p) = sum_q w x(q) / sum_q w    where p has none, over those of the 2x2 coarser texels that have one, w bilinear
-// L. Dundr, "Progressive Spatiotemporal Variance-Based Path Tracing Filtering", 2018, section 4.2.2, for guides; "this hole-filling
+// L. Dundr, "Progressive Spatiotemporal Variance-Based Path Tracing Filtering", 2018, section 4.2.1, for guides; "this hole-filling
 // stage can be useful for other parts".
 
 #include "scumble/conventions.wgsl"

@@ -3,7 +3,7 @@
 //   depth       exp(-|z_q - z_p| / (sigma_z |grad z . d| + epsilon z_p))              Slope
 //               exp(-|z_q - z_p - grad z . d| / (sigma_z epsilon z_p))                Residual: 1 on every plane
 // C. Schied et al., "Spatiotemporal Variance-Guided Filtering", HPG 2017, equations 3 and 4; L. Dundr, "Progressive Spatiotemporal
-// Variance-Based Path Tracing Filtering", 2018, section 4.2. On an exact plane the slope form is exp(-1 / sigma_z) along the
+// Variance-Based Path Tracing Filtering", 2018, section 4.1.4.3. On an exact plane the slope form is exp(-1 / sigma_z) along the
 // gradient, not 1; the residual form is.
 
 #include "passes/guides.wgsl"

@@ -5,6 +5,7 @@ use scumble::{BuildContext, BuildError, FirstFrame, Pass, PassFrame, Port, Recor
 use wgpu::TextureFormat::{Rg32Float, Rgba16Float, Rgba32Float};
 
 pub use crate::accumulate::DepthTest;
+use crate::accumulate::{pixel_inputs, reprojection_inputs};
 pub use crate::edges::DepthForm;
 
 scumble::params! {
@@ -60,14 +61,7 @@ impl Pass for TemporalGradient {
 
     fn inputs() -> Vec<Port> {
         let guide = |name, signal| Port::new(name, signal).any_resolution();
-        let before = |name, signal, about| {
-            Port::new(name, signal)
-                .any_resolution()
-                .optional()
-                .first(FirstFrame::Skip)
-                .about(about)
-        };
-        vec![
+        let mut inputs = vec![
             Port::any("value").about("this frame's estimate"),
             Port::any("history")
                 .first(FirstFrame::Skip)
@@ -75,18 +69,6 @@ impl Pass for TemporalGradient {
             guide("samples", signal::AGE)
                 .optional()
                 .about("samples in each texel's estimate, 0 for none; 1 without it"),
-            guide("view_z", signal::VIEW_Z).about("where there is a surface"),
-            guide("normal", signal::NORMAL).about("guide"),
-            guide("motion", signal::MOTION).about("where history is"),
-            guide("surface_id", signal::SURFACE_ID)
-                .optional()
-                .about("guide"),
-            guide("past_view_z", signal::VIEW_Z).optional().about(
-                "distance of the same surface point in the previous frame; view_z without it",
-            ),
-            guide("pixel", signal::PIXEL)
-                .optional()
-                .about("which pixel each texel was traced at; cell centres without it"),
             guide("source", signal::PIXEL)
                 .optional()
                 .about("of gradient-samples: whose random numbers each texel has; its samples then tell alone"),
@@ -94,32 +76,14 @@ impl Pass for TemporalGradient {
                 .optional()
                 .first(FirstFrame::Skip)
                 .about("the estimate of the previous frame, for source"),
-            before(
-                "previous_variance",
-                signal::VARIANCE,
-                "of a frame's estimate, as it was in the previous frame",
-            ),
-            before(
-                "previous_view_z",
-                signal::VIEW_Z,
-                "view_z of the previous frame",
-            ),
-            before(
-                "previous_normal",
-                signal::NORMAL,
-                "normal of the previous frame",
-            ),
-            before(
-                "previous_surface_id",
-                signal::SURFACE_ID,
-                "surface_id of the previous frame",
-            ),
-            before(
-                "previous_pixel",
-                signal::PIXEL,
-                "pixel of the previous frame",
-            ),
-        ]
+            guide("previous_variance", signal::VARIANCE)
+                .optional()
+                .first(FirstFrame::Skip)
+                .about("of a frame's estimate, as it was in the previous frame"),
+        ];
+        inputs.extend(reprojection_inputs());
+        inputs.extend(pixel_inputs());
+        inputs
     }
 
     fn outputs() -> Vec<Port> {

@@ -1,6 +1,6 @@
 // 3x3 blur of the variance, [1 2 1] x [1 2 1] / 16 over the surfaces there are: it steadies an estimate from few samples before it
 // steers a filter.
-// L. Dundr, "Progressive Spatiotemporal Variance-Based Path Tracing Filtering", 2018, section 4.2; the g3x3 of C. Schied et al.,
+// L. Dundr, "Progressive Spatiotemporal Variance-Based Path Tracing Filtering", 2018, section 4.1.3.1; the g3x3 of C. Schied et al.,
 // "Spatiotemporal Variance-Guided Filtering", HPG 2017, equation 5.
 
 #include "passes/guides.wgsl"

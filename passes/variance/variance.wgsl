@@ -3,7 +3,7 @@
 //   spatial    Var = (sum w L2 / sum w - (sum w L1 / sum w)^2) / (1 - sum w^2 S2 / (sum w)^2),   w = h w_normal w_depth
 // over (2 radius + 1)^2 texels, h a Gaussian. That of the mean is S2 Var.
 // C. Schied et al., "Spatiotemporal Variance-Guided Filtering", HPG 2017, section 4.2; L. Dundr, "Progressive Spatiotemporal
-// Variance-Based Path Tracing Filtering", 2018, section 4.2. Both print the first without 1 - S2, which makes it too small: of two
+// Variance-Based Path Tracing Filtering", 2018, sections 4.1.3.1 and 4.4. Both print the first without 1 - S2, which makes it too small: of two
 // samples blended by halves, by half.
 
 #include "scumble/conventions.wgsl"
