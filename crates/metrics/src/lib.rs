@@ -25,7 +25,8 @@
 //!
 //! All take the image under test first and the reference second, compute in f64, and give the
 //! same bits whatever the number of threads. [`Image`] is three f32 per pixel; [`read`] takes EXR,
-//! PNG, HDR and PFM files to linear values, [`write_exr`], [`write_pfm`] and [`write_png`] write them whole
+//! PNG, HDR and PFM files to linear values, [`write_exr`], [`write_exr_half`],
+//! [`write_pfm`] and [`write_png`] write them whole
 //! or not at all; a [`Sequence`] is numbered files.
 //!
 //! ```
@@ -85,4 +86,4 @@ pub use response::{ghost_energy, lag};
 pub use sequence::Sequence;
 pub(crate) use ssim::ssim_map;
 pub use ssim::{SSIM_WINDOW, ssim, ssim_luma};
-pub use write::{write_atomic, write_exr, write_png};
+pub use write::{write_atomic, write_exr, write_exr_half, write_png};

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use scumble_metrics::{
-    Image, Sequence, linear_from_srgb, mse, read, write_exr, write_pfm, write_png,
+    Image, Sequence, linear_from_srgb, mse, read, write_exr, write_exr_half, write_pfm, write_png,
 };
 use std::path::Path;
 
@@ -34,6 +34,26 @@ fn exr_keeps_every_bit_and_leaves_nothing_beside() {
         assert_eq!(read(&path).unwrap(), image);
     }
     assert_eq!(names(folder.path()), ["a.exr"]);
+}
+
+#[test]
+fn half_exr_is_near_finite_and_small() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, half] = ["whole.exr", "half.exr"].map(|name| folder.path().join(name));
+    let image = gradient(64, 64);
+    write_exr(&whole, &image).unwrap();
+    write_exr_half(&half, &image).unwrap();
+    let read = read(&half).unwrap();
+    for (found, wanted) in read.data.iter().flatten().zip(image.data.iter().flatten()) {
+        // Half of the last of 11 digits, and the largest value there is for what is larger.
+        let wanted = wanted.min(65504.0);
+        assert!(
+            (found - wanted).abs() <= wanted.abs() / 2048.0,
+            "{found} {wanted}"
+        );
+    }
+    let size = |path: &Path| std::fs::metadata(path).unwrap().len();
+    assert!(size(&half) < size(&whole));
 }
 
 #[test]
