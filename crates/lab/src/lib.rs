@@ -8,6 +8,7 @@ mod cell;
 pub mod device;
 mod error;
 mod experiment;
+mod images;
 mod key;
 mod measure;
 mod output;
@@ -27,9 +28,10 @@ pub use error::LabError;
 pub use experiment::{
     Ablate, Budget, CameraPath, Experiment, Factor, GraphChoice, Measure, Motion, ReferenceChoice,
 };
+pub use images::{Images, full_error};
 pub use key::Key;
 pub use measure::{Exposed, Flickering, Guide, exposure};
-pub use plan::{CameraDesign, Design, Factorial, Plan, Variant, VariantDesign};
+pub use plan::{CameraDesign, Design, Factorial, Plan, Sweep, SweepPoint, Variant, VariantDesign};
 pub use record::{FrameRecord, Record};
 pub use render::{FrameError, read_image, render_frame};
 pub use results::{EffectsOf, Failure, Index, MetricSummary, Results, Summary, merge};

@@ -3,7 +3,8 @@
 use crate::error::LabError;
 use crate::experiment::Measure;
 use scumble_metrics::{
-    Image, Mask, Metric, MetricsError, MotionFlickerMeter, MovingFrame, Space, luminance,
+    ErrorMap, Image, Mask, Metric, MetricsError, MotionFlickerMeter, MovingFrame, Space, error_map,
+    luminance,
 };
 use std::collections::BTreeMap;
 
@@ -79,6 +80,17 @@ impl Exposed {
             values.insert(metric.name().to_owned(), self.metric(reference, metric)?);
         }
         Ok(values)
+    }
+
+    /// The error of each pixel by a metric.
+    ///
+    /// # Errors
+    /// Those of [`error_map`].
+    pub fn map(&self, reference: &Exposed, metric: Metric) -> Result<ErrorMap, MetricsError> {
+        match metric.space() {
+            Space::Linear => error_map(metric, &self.linear, &reference.linear),
+            Space::Display => error_map(metric, &self.display, &reference.display),
+        }
     }
 
     fn metric(&self, reference: &Exposed, metric: Metric) -> Result<f64, MetricsError> {

@@ -16,6 +16,8 @@ pub struct Variant {
     pub file: PathBuf,
     /// What is changed in it, in words.
     pub changes: Vec<String>,
+    /// The same as options of `scumble render`.
+    pub options: Vec<String>,
     /// The graph with its changes and its budget, or every mistake in it.
     pub graph: Result<Resolved, Diagnostics>,
     /// What its tracers spend.
@@ -42,6 +44,9 @@ pub struct Design {
     pub name: String,
     /// What it asks.
     pub about: String,
+    /// The command that runs it.
+    #[serde(default)]
+    pub command: String,
     /// The scenes.
     pub scenes: Vec<String>,
     /// Whether every material is Lambert.
@@ -52,6 +57,9 @@ pub struct Design {
     pub variants: Vec<VariantDesign>,
     /// Changes that are made in every combination, if there are any.
     pub factorial: Option<Factorial>,
+    /// Parameters that take several values, if there are any.
+    #[serde(default)]
+    pub sweep: Option<Sweep>,
     /// Names of the metrics.
     pub metrics: Vec<String>,
     /// The seeds.
@@ -84,6 +92,9 @@ pub struct VariantDesign {
     pub about: String,
     /// What is changed in its file, in words.
     pub changes: Vec<String>,
+    /// The options of `scumble render` that make it: its file, its changes and the plan's budget.
+    #[serde(default)]
+    pub options: Vec<String>,
     /// Paths per pixel and frame, of all its tracers together, before masks that leave pixels out.
     pub paths: f64,
 }
@@ -95,6 +106,24 @@ pub struct Factorial {
     pub factors: Vec<String>,
     /// The variant of each combination; bit i says whether change i is made.
     pub variants: Vec<usize>,
+}
+
+/// Parameters of the base that take several values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sweep {
+    /// The parameters.
+    pub params: Vec<String>,
+    /// Every combination; the values of the last parameter change fastest.
+    pub points: Vec<SweepPoint>,
+}
+
+/// One combination of a sweep.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SweepPoint {
+    /// The value of each parameter, as it is written in RON.
+    pub values: Vec<String>,
+    /// The variant that has them.
+    pub variant: usize,
 }
 
 /// A variant that is not resolved yet.
@@ -149,11 +178,11 @@ impl Plan {
         }
         planner.ablations();
         let factorial = planner.factorial();
-        planner.sweep();
+        let sweep = planner.sweep();
         let Planner {
             variants, notes, ..
         } = planner;
-        let design = design(&experiment, &variants, factorial);
+        let design = design(&experiment, &variants, factorial, sweep);
         Plan {
             experiment,
             variants,
@@ -218,10 +247,25 @@ impl Planner<'_> {
             changes.push(format!("without {}", pattern.value));
         }
         changes.extend(draft.changes);
+        let budget = match &graph {
+            Ok(graph) if self.experiment.budget != Budget::None => budget_values(graph),
+            _ => Vec::new(),
+        };
+        let mut options = vec![file.display().to_string()];
+        let written = edits.written_set.iter();
+        let written = written.map(|(param, value)| (param.value.clone(), value.text().to_owned()));
+        let kept = written.filter(|(param, _)| budget.iter().all(|(taken, _)| taken != param));
+        for (param, value) in kept.chain(budget.iter().cloned()) {
+            options.extend(["--set".into(), format!("{param}={value}")]);
+        }
+        for pattern in &edits.written_bypass {
+            options.extend(["--bypass".into(), pattern.value.clone()]);
+        }
         self.variants.push(Variant {
             name,
             file,
             changes,
+            options,
             graph,
             spending: spent,
         });
@@ -301,10 +345,10 @@ impl Planner<'_> {
         })
     }
 
-    fn sweep(&mut self) {
+    fn sweep(&mut self) -> Option<Sweep> {
         let sweep = &self.experiment.sweep;
         if sweep.is_empty() {
-            return;
+            return None;
         }
         let mut drafts = vec![Draft::default()];
         for (param, values) in sweep {
@@ -313,13 +357,23 @@ impl Planner<'_> {
                 .flat_map(|draft| values.iter().map(|v| draft.clone().with(param, v)));
             drafts = longer.collect();
         }
-        for draft in drafts {
-            self.add(&self.experiment.base, draft);
-        }
+        let point = |draft: Draft| SweepPoint {
+            values: draft.set.iter().map(|(_, v)| v.text().to_owned()).collect(),
+            variant: self.add(&self.experiment.base, draft),
+        };
+        Some(Sweep {
+            params: sweep.iter().map(|(p, _)| p.value.clone()).collect(),
+            points: drafts.into_iter().map(point).collect(),
+        })
     }
 }
 
-fn design(experiment: &Experiment, variants: &[Variant], factorial: Option<Factorial>) -> Design {
+fn design(
+    experiment: &Experiment,
+    variants: &[Variant],
+    factorial: Option<Factorial>,
+    sweep: Option<Sweep>,
+) -> Design {
     let cameras = experiment.cameras.iter().map(|path| CameraDesign {
         name: path.name.clone(),
         frames: path.frames,
@@ -332,16 +386,19 @@ fn design(experiment: &Experiment, variants: &[Variant], factorial: Option<Facto
             Err(_) => String::new(),
         },
         changes: variant.changes.clone(),
+        options: variant.options.clone(),
         paths: variant.spending.iter().map(|s| s.paths).sum(),
     });
     Design {
         name: experiment.name.clone(),
         about: experiment.about.clone(),
+        command: command(experiment),
         scenes: experiment.scenes.iter().map(|s| s.value.clone()).collect(),
         lambert: experiment.lambert,
         cameras: cameras.collect(),
         variants: variants.collect(),
         factorial,
+        sweep,
         metrics: experiment
             .metrics
             .iter()
@@ -354,5 +411,36 @@ fn design(experiment: &Experiment, variants: &[Variant], factorial: Option<Facto
             Budget::None => None,
         },
         reference_samples: experiment.reference.samples,
+    }
+}
+
+/// The parameters that the budget sets, with their values.
+fn budget_values(graph: &Resolved) -> Vec<(String, String)> {
+    let of = |param: String| {
+        let (pass, name) = param.rsplit_once('.')?;
+        let value = graph.pass(pass)?.1.params.get(name)?.to_string();
+        Some((param, value))
+    };
+    budget_params(graph).into_iter().filter_map(of).collect()
+}
+
+/// The command that runs an experiment.
+fn command(experiment: &Experiment) -> String {
+    let file = experiment
+        .directory
+        .join(format!("{}.ron", experiment.name));
+    let quick = if experiment.quick { " --quick" } else { "" };
+    format!(
+        "scumble ablate {}{quick}",
+        quoted(&file.display().to_string())
+    )
+}
+
+/// A word as a shell takes it.
+pub(crate) fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
+    match !word.is_empty() && word.chars().all(plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
     }
 }

@@ -46,6 +46,9 @@ pub struct Record {
 pub struct FrameRecord {
     /// Its number, from 0.
     pub frame: u32,
+    /// The name of all that its reference depends on.
+    #[serde(default)]
+    pub reference: String,
     /// Every metric by name.
     pub metrics: BTreeMap<String, f64>,
 }
@@ -97,6 +100,7 @@ mod tests {
     pub(crate) fn record() -> Record {
         let frame = |frame, relmse| FrameRecord {
             frame,
+            reference: "r".into(),
             metrics: [("relmse".to_owned(), relmse)].into(),
         };
         Record {

@@ -1,6 +1,7 @@
 //! What an experiment found: summaries of its records, and what went wrong.
 
 use crate::error::LabError;
+use crate::images::Images;
 use crate::plan::Design;
 use crate::record::{Record, write_json};
 use crate::statistics::{Effect, Estimate, effects, quantile};
@@ -138,6 +139,7 @@ pub fn merge(parts: &[PathBuf], folder: &Path) -> Result<Index, LabError> {
                 });
             };
             if !whole.keys.contains(&key) {
+                Images::new(folder).copy(&Images::new(part), &record)?;
                 record.write(&runs.join(&name))?;
                 whole.keys.push(key);
             }

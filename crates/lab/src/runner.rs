@@ -5,6 +5,7 @@ use crate::cell::{Cell, ReferenceGraph, Wanted, add_shaders, keep_linear, wanted
 use crate::device::Gpu;
 use crate::error::LabError;
 use crate::experiment::{Budget, CameraPath, Measure};
+use crate::images::Images;
 use crate::measure::{Exposed, Flickering};
 use crate::plan::{Plan, Variant};
 use crate::record::{FrameRecord, Record};
@@ -12,7 +13,7 @@ use crate::results::{Failure, Index};
 use crate::scene::load_scene;
 use crate::stage::{Pose, Stage, linear};
 use scumble::{Pipeline, Registry, Value};
-use scumble_metrics::Metric;
+use scumble_metrics::{Metric, read};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -222,7 +223,7 @@ impl<'a> Runner<'a> {
             let key = base.clone().value(&seed).name();
             let file = self.folder.join("runs").join(format!("{key}.json"));
             let what = format!("{}, {}, {}", cellar.scene, cellar.path.name, variant.name);
-            if Record::read(&file).is_none() {
+            if !self.is_there(&file, seed) {
                 (self.listener)(Event::Doing(&what));
                 self.cell(cellar, stage, reference, truth)?;
                 let run = Run {
@@ -333,8 +334,27 @@ impl<'a> Runner<'a> {
             cell.find_motion(self.gpu, self.registry, stage, poses, experiment.size)?;
         }
         self.rendering += start.elapsed().as_secs_f64();
+        let images = Images::new(&self.folder);
+        let names = cellar.wanted.iter().map(|want| &want.key);
+        for (key, (_, reference)) in names.zip(&cell.references) {
+            let radiance = read(folder.join(format!("{key}.exr")))?;
+            let [scene, camera] = [cellar.scene, &cellar.path.name];
+            images.write_reference(scene, camera, key, reference, &radiance)?;
+        }
         cellar.cell = Some(cell);
         Ok(())
+    }
+
+    /// Whether images of the runs of this seed are kept: those of the first.
+    fn is_shown(&self, seed: u32) -> bool {
+        self.plan.experiment.seeds.first() == Some(&seed)
+    }
+
+    /// Whether there is a record in a file, and its images if there are to be any.
+    fn is_there(&self, file: &Path, seed: u32) -> bool {
+        let images = Images::new(&self.folder);
+        let record = Record::read(file);
+        record.is_some_and(|record| !self.is_shown(seed) || images.are_there(&record))
     }
 
     fn one(
@@ -365,23 +385,40 @@ impl<'a> Runner<'a> {
             frames: Vec::new(),
             flicker: None,
         };
-        let flickers = measures.contains(&Measure::Flicker);
+        let (flickers, shown) = (
+            measures.contains(&Measure::Flicker),
+            self.is_shown(run.seed),
+        );
+        let images = Images::new(&self.folder);
         let mut flickering = Flickering::default();
         let mut clock = Instant::now();
+        // The plan of the last frame is drawn.
+        let last = cellar.poses.len() as u32 - 1;
+        pipeline.keep_plan(shown && last == 0);
         stage.play(gpu, pipeline, &cellar.poses, run.seed, |frame, pipeline| {
             record.seconds.push(clock.elapsed().as_secs_f64());
+            pipeline.keep_plan(shown && frame + 1 == last);
             note_cost(&mut record, pipeline)?;
-            let reference = cell.references.iter().find(|(f, _)| *f == frame);
+            let with_name = cell.references.iter().zip(&cellar.wanted);
+            let reference = with_name.into_iter().find(|((f, _), _)| *f == frame);
             if flickers || reference.is_some() {
                 let measured = |source| LabError::Measured { frame, source };
-                let image = Exposed::new(&linear(gpu, pipeline)?, cell.exposure);
+                let radiance = linear(gpu, pipeline)?;
+                let image = Exposed::new(&radiance, cell.exposure);
                 if flickers {
                     let guide = cell.guides.get(frame as usize).and_then(Option::as_ref);
                     flickering.push(&image.display, guide).map_err(measured)?;
                 }
-                if let Some((_, reference)) = reference {
+                if let Some(((_, reference), want)) = reference {
                     let metrics = image.metrics(reference, measures).map_err(measured)?;
-                    record.frames.push(FrameRecord { frame, metrics });
+                    record.frames.push(FrameRecord {
+                        frame,
+                        reference: want.key.clone(),
+                        metrics,
+                    });
+                    if shown {
+                        images.write_run(&record, frame, [&image, reference], &radiance)?;
+                    }
                 }
             }
             clock = Instant::now();
@@ -389,6 +426,9 @@ impl<'a> Runner<'a> {
         })?;
         if flickers {
             record.flicker = Some(flickering.finish()?);
+        }
+        if let Some(plan) = pipeline.plan().filter(|_| shown) {
+            images.write_graph(&record, &plan.svg())?;
         }
         self.rendering += record.seconds.iter().sum::<f64>();
         Ok(record)

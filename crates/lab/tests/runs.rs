@@ -1,8 +1,10 @@
 //! Experiments from their file to their results, on the adapter that is there.
 
 use scumble_lab::{
-    Event, Experiment, Failure, Gpu, Index, Plan, Record, Results, Runner, Shard, device, merge,
+    Event, Experiment, Exposed, Failure, Gpu, Images, Index, Plan, Record, Results, Runner, Shard,
+    device, merge,
 };
+use scumble_metrics::{Metric, read};
 use std::path::{Path, PathBuf};
 
 /// A graph that traces and averages, so that it has a history.
@@ -125,6 +127,20 @@ fn an_interrupted_experiment_goes_on_and_shards_merge() {
     );
     assert!(whole.iter().all(|r| r.flicker.unwrap() > 0.0));
 
+    // Every run of the first seed has its images, maps and graph.
+    let images = Images::new(&output);
+    for record in &whole {
+        assert_eq!(images.are_there(record), record.seed == 1);
+    }
+    let radiance = read(images.run(&whole[0], 1, "exr")).unwrap();
+    let reference = &whole[0].frames[0].reference;
+    let place = [whole[0].scene.as_str(), &whole[0].camera];
+    let reference = read(images.reference(place[0], place[1], reference, "exr")).unwrap();
+    let [image, reference] = [radiance, reference].map(|i| Exposed::new(&i, whole[0].exposure));
+    let relmse = Metric::RelMse.evaluate(&image.linear, &reference.linear);
+    // Rounding to half floats changes an error e of a value by less than 2^-10 of the value: relMSE by a few thousandths.
+    assert!((relmse.unwrap() / whole[0].value("relmse").unwrap() - 1.0).abs() < 0.01);
+
     // Nothing is rendered twice.
     let (again, rendered) = run(&gpu, folder.path(), &output, Shard::WHOLE);
     assert_eq!((again.clone(), rendered.len()), (index.clone(), 0));
@@ -137,6 +153,9 @@ fn an_interrupted_experiment_goes_on_and_shards_merge() {
     let (again, rendered) = run(&gpu, folder.path(), &output, Shard::WHOLE);
     assert_eq!((again, rendered.len()), (index, 2));
     assert_eq!(measured(&Index::read(&output).unwrap(), &output), whole);
+    std::fs::remove_file(images.run(&whole[0], 1, "relmse.png")).unwrap();
+    let (_, rendered) = run(&gpu, folder.path(), &output, Shard::WHOLE);
+    assert_eq!((rendered.len(), images.are_there(&whole[0])), (1, true));
 
     // Two parts are disjoint and together the whole.
     let parts = [1, 2].map(|index| {
@@ -149,6 +168,7 @@ fn an_interrupted_experiment_goes_on_and_shards_merge() {
     let merged = folder.path().join("merged");
     let index = merge(&parts, &merged).unwrap();
     assert_eq!(measured(&index, &merged), whole);
+    assert!(Images::new(&merged).are_there(&whole[0]));
 }
 
 #[test]

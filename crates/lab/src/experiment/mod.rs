@@ -34,6 +34,8 @@ pub struct Experiment {
     pub name: String,
     /// The folder that its paths are relative to, before they are to the current one.
     pub directory: PathBuf,
+    /// Whether this is its short form.
+    pub quick: bool,
     /// What it asks.
     pub about: String,
     /// Names of built-in scenes, and files.

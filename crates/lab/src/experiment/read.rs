@@ -93,6 +93,7 @@ fn fields(
     let mut experiment = Experiment {
         name: name.unwrap_or("experiment").to_owned(),
         directory: path.parent().unwrap_or(Path::new("")).to_owned(),
+        quick,
         about: String::new(),
         scenes: Vec::new(),
         lambert: false,
