@@ -9,7 +9,7 @@ use crate::measure::{Exposed, Guide, exposure};
 use crate::stage::{Pose, Stage, output};
 use scumble::{Edits, Pipeline, Registry, Resolved, resolve, resolve_text};
 use scumble_metrics::{Image, read, write_exr};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What is rendered where the experiment names no graph.
 const REFERENCE: &str = include_str!("../../../graphs/reference.ron");
@@ -90,6 +90,8 @@ pub(crate) struct Wanted {
     pub frame: u32,
     pub pose: Pose,
     pub key: String,
+    /// An image that is there, instead of rendering one.
+    pub file: Option<PathBuf>,
 }
 
 /// The references of a path, by name.
@@ -99,24 +101,41 @@ pub(crate) fn wanted(
     stage: &Stage,
     poses: &[Pose],
     frames: &[u32],
-) -> Vec<Wanted> {
+    file: impl Fn(u32) -> Option<PathBuf>,
+) -> Result<Vec<Wanted>, LabError> {
     let mut base = stage.key.clone();
     base.add("reference")
         .add(&reference.graph.to_string())
         .value(&pipeline.size())
         .value(&(reference.samples, REFERENCE_SEED));
     add_shaders(&mut base, pipeline);
-    let of = |&frame: &u32| {
-        let pose = *poses.get(frame as usize)?;
-        let mut key = base.clone();
-        key.camera(&pose.camera).value(&pose.time);
-        Some(Wanted {
+    let mut all = Vec::new();
+    for &frame in frames {
+        let Some(&pose) = poses.get(frame as usize) else {
+            continue;
+        };
+        let file = file(frame);
+        let key = match &file {
+            Some(path) => {
+                let bytes = std::fs::read(path).map_err(|source| LabError::Reference {
+                    path: path.clone(),
+                    source,
+                })?;
+                Key::new("image").bytes(&bytes).name()
+            }
+            None => {
+                let mut key = base.clone();
+                key.camera(&pose.camera).value(&pose.time).name()
+            }
+        };
+        all.push(Wanted {
             frame,
             pose,
-            key: key.name(),
-        })
-    };
-    frames.iter().filter_map(of).collect()
+            key,
+            file,
+        });
+    }
+    Ok(all)
 }
 
 /// Adds the shaders of a graph to what depends on them.
@@ -153,15 +172,24 @@ impl Cell {
             let image = match read(&path) {
                 Ok(image) if image.size() == pipeline.size() => image,
                 _ => {
-                    let (pose, frames) = (want.pose, reference.frames);
-                    let image = stage.hold(gpu, pipeline, pose, REFERENCE_SEED, frames)?;
+                    let image = match &want.file {
+                        Some(file) => given(file, pipeline.size())?,
+                        None => {
+                            let (pose, frames) = (want.pose, reference.frames);
+                            stage.hold(gpu, pipeline, pose, REFERENCE_SEED, frames)?
+                        }
+                    };
                     // Values that are not finite are found now, and not in each run.
                     image.mean()?;
                     write_exr(&path, &image)?;
                     image
                 }
             };
-            rendered(f64::from(reference.samples));
+            // Where nothing moves, one serves all frames.
+            let first = wanted.iter().position(|w| w.key == want.key) == Some(images.len());
+            if first && want.file.is_none() {
+                rendered(f64::from(reference.samples));
+            }
             images.push((want.frame, image));
         }
         let exposure = exposure(images.iter().map(|(_, image)| image))?;
@@ -205,6 +233,19 @@ impl Cell {
         })?;
         self.guides = guides;
         Ok(())
+    }
+}
+
+/// A reference that someone else made.
+fn given(file: &Path, size: [u32; 2]) -> Result<Image, LabError> {
+    let image = read(file)?;
+    match image.size() == size {
+        true => Ok(image),
+        false => Err(LabError::ReferenceSize {
+            path: file.to_owned(),
+            found: image.size(),
+            wanted: size,
+        }),
     }
 }
 

@@ -62,6 +62,27 @@ pub enum LabError {
     /// A reference without light: nothing can be compared with it.
     #[error("the reference is black")]
     BlackReference,
+    /// A file that is to be a reference cannot be read.
+    #[error("cannot read the reference `{path}`: {source}", path = path.display())]
+    Reference {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file that is to be a reference has another size than what is rendered.
+    #[error(
+        "the reference `{path}` has {}x{} pixels, and the experiment renders {}x{}: make them alike",
+        found[0], found[1], wanted[0], wanted[1], path = path.display()
+    )]
+    ReferenceSize {
+        /// The file.
+        path: PathBuf,
+        /// Its width and height.
+        found: [u32; 2],
+        /// Those of the experiment.
+        wanted: [u32; 2],
+    },
     /// A file that is no JSON of ours.
     #[error("`{path}`: {message}", path = path.display())]
     Json {

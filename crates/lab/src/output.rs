@@ -212,14 +212,21 @@ impl Plan {
             d.size[0],
             d.size[1]
         );
-        let _ = writeln!(
+        let _ = write!(
             text,
-            "{} frames, about {} paths, and at most {} for references ({} per pixel)",
+            "{} frames, about {} paths, ",
             self.frames(),
-            large(runs),
-            large(references),
-            d.reference_samples
+            large(runs)
         );
+        let _ = match &self.experiment.reference.files {
+            Some(files) => writeln!(text, "references from `{}`", files.value),
+            None => writeln!(
+                text,
+                "and {} for references ({} per pixel)",
+                large(references),
+                d.reference_samples
+            ),
+        };
         if let Some(rate) = paths_per_second {
             let seconds = (runs + references) / rate;
             let _ = writeln!(text, "expected time: about {}", duration(seconds));

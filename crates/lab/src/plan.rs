@@ -1,7 +1,7 @@
 //! What an experiment becomes: the variants, and every run.
 
 use crate::budget::{Spending, budget_params, spend, spending};
-use crate::experiment::{Budget, Experiment, Factor, GraphChoice};
+use crate::experiment::{Budget, CameraPath, Experiment, Factor, GraphChoice, Motion};
 use scumble::diagnostics::{Span, Spanned};
 use scumble::{Diagnostics, Edits, Registry, Resolved, resolve};
 use serde::{Deserialize, Serialize};
@@ -210,7 +210,15 @@ impl Plan {
         let pixels = f64::from(d.size[0]) * f64::from(d.size[1]) * d.scenes.len() as f64;
         let of_variants: f64 = d.variants.iter().map(|v| v.paths).sum();
         let frames: f64 = d.cameras.iter().map(|c| f64::from(c.frames)).sum();
-        let references: usize = d.cameras.iter().map(|c| c.references.len()).sum();
+        // Where nothing moves, one serves all frames.
+        let of_path = |path: &CameraPath| match path.motion {
+            Motion::Still if path.frame_time == 0.0 => 1,
+            _ => self.experiment.reference_frames(path).len(),
+        };
+        let references: usize = match self.experiment.reference.files {
+            Some(_) => 0,
+            None => self.experiment.cameras.iter().map(of_path).sum(),
+        };
         [
             pixels * frames * of_variants * d.seeds.len() as f64,
             pixels * references as f64 * f64::from(d.reference_samples),

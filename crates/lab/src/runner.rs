@@ -4,7 +4,7 @@ use crate::balance::{balanced, counted, rays};
 use crate::cell::{Cell, ReferenceGraph, Wanted, add_shaders, keep_linear, wanted};
 use crate::device::Gpu;
 use crate::error::LabError;
-use crate::experiment::{Budget, CameraPath, Measure};
+use crate::experiment::{Budget, CameraPath, Measure, ReferenceChoice};
 use crate::images::Images;
 use crate::measure::{Exposed, Flickering};
 use crate::plan::{Plan, Variant};
@@ -164,11 +164,17 @@ impl<'a> Runner<'a> {
         truth: &mut Pipeline,
     ) -> Result<(), LabError> {
         let poses = stage.poses(path)?;
+        let experiment = &self.plan.experiment;
         let frames = &self.plan.design.cameras[number].references;
+        let file = |frame| {
+            let pattern = &experiment.reference.files.as_ref()?.value;
+            let name = ReferenceChoice::image(pattern, scene, &path.name, frame);
+            Some(experiment.file(&name))
+        };
         let mut cellar = Cellar {
             scene,
             path,
-            wanted: wanted(reference, truth, stage, &poses, frames),
+            wanted: wanted(reference, truth, stage, &poses, frames, file)?,
             poses,
             cell: None,
         };

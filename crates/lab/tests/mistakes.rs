@@ -139,6 +139,21 @@ fn values_that_make_no_sense() {
 }
 
 #[test]
+fn references_are_rendered_or_there() {
+    let both = mistakes("samples: 1024", "samples: 1024, files: \"a.exr\"");
+    assert!(
+        both.contains("a reference is rendered or read from files, not both"),
+        "{both}"
+    );
+    let missing = mistakes("samples: 1024", "files: \"{scene}/{camera}.##.exr\"");
+    // Every 4th of 8 and of 24 frames.
+    assert!(
+        missing.contains("8 references are not there, such as `cornell/still.03.exr`"),
+        "{missing}"
+    );
+}
+
+#[test]
 fn all_mistakes_are_told_at_once() {
     let text = GOOD
         .replace("RelMse", "Relmse")

@@ -189,6 +189,61 @@ fn a_changed_shader_renders_again_what_it_is_in() {
     assert!(records[2].value("relmse") > records[0].value("relmse"));
 }
 
+/// Images that are there are as good as rendered ones, and only those of the right size.
+#[test]
+fn references_may_be_files() {
+    let gpu = gpu();
+    let folder = folder("1.0", "\"cornell\"", "", BOTH);
+    let (index, _) = run(
+        &gpu,
+        folder.path(),
+        &folder.path().join("own"),
+        Shard::WHOLE,
+    );
+    let own = measured(&index, &folder.path().join("own"));
+    for record in &own {
+        let kept = folder
+            .path()
+            .join("own/references")
+            .join(format!("{}.exr", record.frames[0].reference));
+        std::fs::copy(
+            kept,
+            folder
+                .path()
+                .join(format!("cornell {} 01.exr", record.camera)),
+        )
+        .unwrap();
+    }
+    let experiment = folder.path().join("e.ron");
+    let text = std::fs::read_to_string(&experiment).unwrap();
+    let text = text.replace("samples: 4,", "files: \"{scene} {camera} ##.exr\",");
+    std::fs::write(&experiment, &text).unwrap();
+    let (index, rendered) = run(
+        &gpu,
+        folder.path(),
+        &folder.path().join("given"),
+        Shard::WHOLE,
+    );
+    assert_eq!((index.failures.len(), rendered.len()), (0, 4));
+    let given = measured(&index, &folder.path().join("given"));
+    let values =
+        |records: &[Record]| -> Vec<_> { records.iter().map(|r| r.value("relmse")).collect() };
+    assert_eq!(values(&own), values(&given));
+
+    std::fs::write(&experiment, text.replace("(24, 16)", "(16, 24)")).unwrap();
+    let (index, _) = run(
+        &gpu,
+        folder.path(),
+        &folder.path().join("wrong"),
+        Shard::WHOLE,
+    );
+    assert!(
+        index.failures[0]
+            .message
+            .contains("has 24x16 pixels, and the experiment renders 16x24")
+    );
+}
+
 #[test]
 fn what_fails_is_told_and_the_rest_goes_on() {
     let gpu = gpu();

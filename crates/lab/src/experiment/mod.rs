@@ -144,6 +144,35 @@ pub struct ReferenceChoice {
     pub every: u32,
     /// The graph, whose output `linear` is a mean over frames; `graphs/reference.ron` where it is not given.
     pub graph: Option<Spanned<String>>,
+    /// Images that are there already, of any renderer: a pattern that [`ReferenceChoice::image`] fills in.
+    pub files: Option<Spanned<String>>,
+}
+
+impl ReferenceChoice {
+    /// The file of a frame where files are the references: in the pattern `{scene}` is the name of the scene without
+    /// its folder and ending, `{camera}` that of the camera path, and `####` the number of the frame with so
+    /// many digits.
+    ///
+    /// ```
+    /// use scumble_lab::ReferenceChoice;
+    /// let name = ReferenceChoice::image("{scene}/{camera}.####.exr", "scenes/kitchen.glb", "still", 7);
+    /// assert_eq!(name, "kitchen/still.0007.exr");
+    /// ```
+    pub fn image(pattern: &str, scene: &str, camera: &str, frame: u32) -> String {
+        let stem = Path::new(scene).file_stem().unwrap_or_default();
+        let mut name = pattern
+            .replace("{scene}", &stem.to_string_lossy())
+            .replace("{camera}", camera);
+        if let Some(start) = name.rfind('#') {
+            let digits = name[..=start]
+                .bytes()
+                .rev()
+                .take_while(|&b| b == b'#')
+                .count();
+            name.replace_range(start + 1 - digits..=start, &format!("{frame:0digits$}"));
+        }
+        name
+    }
 }
 
 /// What is measured.

@@ -113,6 +113,7 @@ fn fields(
             samples: 1,
             every: 1,
             graph: None,
+            files: None,
         },
         metrics: Vec::new(),
         size: [1, 1],
@@ -136,12 +137,45 @@ fn fields(
             }
             check(&changed, node, diagnostics);
             if quick {
+                find_references(&changed, diagnostics);
                 return Some(changed);
             }
         }
     }
     check(&experiment, node, diagnostics);
+    if !quick {
+        find_references(&experiment, diagnostics);
+    }
     Some(experiment)
+}
+
+/// Images that are to be references are there.
+fn find_references(experiment: &Experiment, diagnostics: &mut Diagnostics) {
+    let Some(files) = &experiment.reference.files else {
+        return;
+    };
+    let mut missing = Vec::new();
+    for scene in &experiment.scenes {
+        for path in &experiment.cameras {
+            for frame in experiment.reference_frames(path) {
+                let name = ReferenceChoice::image(&files.value, &scene.value, &path.name, frame);
+                if !missing.contains(&name) && !experiment.file(&name).is_file() {
+                    missing.push(name);
+                }
+            }
+        }
+    }
+    if let Some(first) = missing.first() {
+        let message = match missing.len() {
+            1 => format!("there is no reference `{first}`"),
+            n => format!("{n} references are not there, such as `{first}`"),
+        };
+        diagnostics.push(
+            Diagnostic::new(code::BAD_NAME, message)
+                .at(&files.span, "")
+                .help("`{scene}` becomes the scene, `{camera}` the camera path, `####` the frame's number, from 0"),
+        );
+    }
 }
 
 fn field(experiment: &mut Experiment, name: &str, node: &Node, diagnostics: &mut Diagnostics) {
@@ -375,13 +409,32 @@ fn budget(node: &Node, diagnostics: &mut Diagnostics) -> Budget {
 }
 
 fn reference(into: &mut ReferenceChoice, node: &Node, diagnostics: &mut Diagnostics) {
-    let known = &["samples", "every", "graph"];
-    let fields = node.expect_fields("a reference", known, diagnostics);
-    for (name, node) in fields.unwrap_or_default() {
+    let known = &["samples", "every", "graph", "files"];
+    let fields = node
+        .expect_fields("a reference", known, diagnostics)
+        .unwrap_or_default();
+    let at = |wanted: &str| fields.iter().find(|(name, _)| name.value == wanted);
+    // A short form with samples has no use for the images of the long one.
+    into.files = into.files.take().filter(|_| at("samples").is_none());
+    if let (Some((files, _)), Some((other, _))) = (at("files"), at("samples").or(at("graph"))) {
+        diagnostics.push(
+            Diagnostic::new(
+                code::SHAPE,
+                "a reference is rendered or read from files, not both",
+            )
+            .at(&files.span, "files")
+            .at(&other.span, "for rendering"),
+        );
+    }
+    for (name, node) in fields {
         match name.value.as_str() {
             "samples" => into.samples = number(&node, "paths per pixel", diagnostics),
             "every" => into.every = number(&node, "frames", diagnostics),
-            _ => into.graph = node.expect_text("the path of a graph", diagnostics),
+            "graph" => into.graph = node.expect_text("the path of a graph", diagnostics),
+            _ => {
+                into.files =
+                    node.expect_text("where images are, such as `{scene}.####.exr`", diagnostics)
+            }
         }
     }
 }
