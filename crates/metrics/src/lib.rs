@@ -26,8 +26,8 @@
 //! All take the image under test first and the reference second, compute in f64, and give the
 //! same bits whatever the number of threads. [`Image`] is three f32 per pixel; [`read`] takes EXR,
 //! PNG, HDR and PFM files to linear values, [`write_exr`], [`write_exr_half`],
-//! [`write_pfm`] and [`write_png`] write them whole
-//! or not at all; a [`Sequence`] is numbered files.
+//! [`write_exr_channels`], [`write_pfm`] and [`write_png`] write them whole
+//! or not at all; [`read_channels`] takes every channel of a file by its name; a [`Sequence`] is numbered files.
 //!
 //! ```
 //! use scumble_metrics::{Image, Metric, mse};
@@ -45,6 +45,7 @@
 #![warn(missing_docs)]
 
 mod blocks;
+mod channels;
 mod color;
 mod error;
 mod flicker;
@@ -65,6 +66,7 @@ mod ssim;
 mod write;
 
 pub use blocks::{BLOCK, BlockError, block_error};
+pub use channels::{Channel, Channels, read_channels, write_exr_channels};
 pub use color::{LUMINANCE, linear_from_srgb, luminance, srgb_from_linear};
 pub use error::{MetricsError, Role};
 pub use flicker::{Flicker, FlickerMeter};

@@ -66,7 +66,7 @@ fn hdr_image(bytes: &[u8]) -> Result<Image, String> {
     decoded(bytes, ImageFormat::Hdr)
 }
 
-fn decoded(bytes: &[u8], format: ImageFormat) -> Result<Image, String> {
+pub(crate) fn decoded(bytes: &[u8], format: ImageFormat) -> Result<Image, String> {
     let image = image::load_from_memory_with_format(bytes, format).map_err(|e| e.to_string())?;
     let image = image.into_rgb32f();
     let (width, height) = image.dimensions();
