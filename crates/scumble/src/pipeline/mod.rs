@@ -3,6 +3,7 @@
 mod build;
 mod error;
 mod frame;
+mod inputs;
 mod names;
 mod requirements;
 mod resample;
@@ -14,7 +15,6 @@ use std::sync::{Arc, OnceLock};
 use framegraph::{Debug, Label, Pool};
 
 use crate::context::PassInfo;
-use crate::diagnostics::hint;
 use crate::frame_state::{OutputSlot, PassState, StandIns};
 use crate::host::Host;
 use crate::params::Value;
@@ -228,41 +228,14 @@ impl Pipeline {
 
     /// Feeds an input of the graph. The texture needs the usage `TEXTURE_BINDING`, and `COPY_SRC` where its
     /// previous frame is read; the host may
-    /// write it between frames.
+    /// write it between frames. Where it is known what the texture means, [`Pipeline::bind_signal`] checks that, too.
     ///
     /// # Errors
-    /// No such input, or a texture of another format or usage.
+    /// No such input, or a texture of another format, shape or usage.
     pub fn bind_input(&mut self, name: &str, texture: &wgpu::Texture) -> Result<(), NameError> {
-        let inputs = &self.resolved.inputs;
-        let Some(i) = inputs.iter().position(|input| input.name == name) else {
-            let hint = hint(name, inputs.iter().map(|input| input.name.as_str()));
-            return Err(NameError::Unknown {
-                kind: "graph input",
-                name: name.to_owned(),
-                hint,
-            });
-        };
-        let error = |message| NameError::Texture {
-            name: name.to_owned(),
-            message,
-        };
-        let signal = inputs[i].signal;
-        if texture.format() != signal.format() && texture.format() != signal.precise_format() {
-            let message = format!(
-                "it carries {signal}, which is {:?}, and not {:?}",
-                signal.format(),
-                texture.format()
-            );
-            return Err(error(message));
-        }
-        if !texture
-            .usage()
-            .contains(wgpu::TextureUsages::TEXTURE_BINDING)
-        {
-            return Err(error(
-                "the texture lacks the usage TEXTURE_BINDING".to_owned(),
-            ));
-        }
+        let i = self.find_input(name)?;
+        let error = |message| inputs::refused(name, message);
+        inputs::check_texture(self.resolved.inputs[i].signal, texture).map_err(error)?;
         let copied = self.is_kept(i);
         if copied && !texture.usage().contains(wgpu::TextureUsages::COPY_SRC) {
             return Err(error(
@@ -274,13 +247,7 @@ impl Pipeline {
             .replace(texture.clone())
             .is_some_and(|before| before != *texture)
         {
-            let wired = Some(Wire::Input(i));
-            let reads = |built: &Built| built.wires.contains(&wired);
-            let readers: Vec<usize> = (0..self.passes.len())
-                .filter(|&p| reads(&self.passes[p]))
-                .collect();
-            self.revisions
-                .source_changed(&readers, &format!("graph input {name}"));
+            self.input_changed(i);
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! From the text of a graph file to an image.
 
-use scumble::{Edits, FrameInput, PortSignal, resolve_text};
+use scumble::{Edits, FrameInput, PortSignal, resolve_text, signal};
 
 use crate::rig::{Rig, gpu};
 use crate::toys::registry;
@@ -152,6 +152,41 @@ fn a_graph_fed_by_the_host_runs_on_its_images() {
     rig.pipeline.bind_input("image", &fed).unwrap();
     assert_eq!(rig.frame(0, "out"), [[2.0, 2.0, 2.0, 1.0]; 2]);
     assert_eq!(rig.read("same"), texels);
+
+    // The format of specular light is that of radiance, and it is not radiance.
+    let error = rig.pipeline.bind_signal("image", signal::SPECULAR, &fed);
+    assert_eq!(
+        error.unwrap_err().to_string(),
+        "graph input `image`: it takes radiance, and the texture carries specular"
+    );
+    rig.pipeline
+        .bind_signal("image", signal::RADIANCE, &fed)
+        .unwrap();
+    let deep = device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d {
+            width: 2,
+            height: 1,
+            depth_or_array_layers: 2,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: all,
+        view_formats: &[],
+    });
+    let error = rig.pipeline.bind_input("image", &deep).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "graph input `image`: the texture is not a single 2D image"
+    );
+    rig.pipeline.unbind_input("image").unwrap();
+    let error = rig.try_render(&FrameInput::default()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "graph input `image`: no texture is bound to it"
+    );
 }
 
 #[test]
