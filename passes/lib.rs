@@ -22,6 +22,8 @@ mod tracing;
 
 // Filters.
 pub mod accumulate;
+#[path = "albedo-modulate/mod.rs"]
+pub mod albedo_modulate;
 pub mod atrous;
 pub mod bilateral;
 #[path = "shared/edges.rs"]
@@ -39,6 +41,7 @@ pub mod history_fix;
 #[path = "hole-fill/mod.rs"]
 pub mod hole_fill;
 pub mod jbu;
+pub mod moments;
 #[path = "occlusion-reject/mod.rs"]
 pub mod occlusion_reject;
 #[path = "outlier-reject/mod.rs"]
@@ -95,6 +98,7 @@ pub fn registry() -> Registry {
 
     // Filters.
     registry.add::<accumulate::Accumulate>();
+    registry.add::<albedo_modulate::AlbedoModulate>();
     registry.add::<atrous::Atrous>();
     registry.add::<bilateral::Bilateral>();
     registry.add::<fast_history::FastHistory>();
@@ -104,6 +108,7 @@ pub fn registry() -> Registry {
     registry.add::<history_fix::HistoryFix>();
     registry.add::<hole_fill::HoleFill>();
     registry.add::<jbu::Jbu>();
+    registry.add::<moments::Moments>();
     registry.add::<occlusion_reject::OcclusionReject>();
     registry.add::<outlier_reject::OutlierReject>();
     registry.add::<progressive::Progressive>();

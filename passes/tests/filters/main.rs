@@ -1,6 +1,7 @@
 //! Every filter against a twin in f64 that is written from its equation, and against what every pass must keep.
 
 mod accumulate;
+mod albedo_modulate;
 mod atrous;
 mod bilateral;
 mod common;
@@ -12,6 +13,7 @@ mod guide_variance;
 mod history_fix;
 mod hole_fill;
 mod jbu;
+mod moments;
 mod occlusion_reject;
 mod outlier_reject;
 mod progressive;
