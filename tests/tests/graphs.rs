@@ -31,12 +31,54 @@ fn every_graph_resolves_and_says_what_it_is() {
         let graph = graph(&name);
         assert!(!graph.about.is_empty(), "{name}");
         let output = |wanted: &str| graph.outputs.iter().any(|(name, _)| name == wanted);
-        // A graph that needs inputs is a part of others; any other makes both kinds of picture.
+        // A graph that needs inputs is a part of others, or fed by a host; any other makes both kinds of picture.
         assert!(
             !graph.inputs.is_empty() || (output("display") && output("linear")),
             "{name}"
         );
     }
+}
+
+/// What `scumble denoise` feeds: a file for each guide, or none where it is optional; the past of what is fed.
+#[test]
+fn graphs_for_images_of_others_take_them_as_they_come() {
+    for (name, needed) in [
+        (
+            "denoise-svgf",
+            &["radiance", "normal", "view_z", "motion"][..],
+        ),
+        ("denoise-spatial", &["radiance", "normal", "view_z"]),
+        (
+            "upsample-external",
+            &[
+                "radiance",
+                "grid_normal",
+                "grid_view_z",
+                "pixel",
+                "normal",
+                "view_z",
+            ],
+        ),
+    ] {
+        let graph = graph(name);
+        let inputs = graph.inputs.iter().filter(|input| !input.optional);
+        let names: Vec<_> = inputs.map(|input| input.name.as_str()).collect();
+        assert_eq!(names, needed, "{name}");
+        for output in ["linear", "display"] {
+            assert!(graph.outputs.iter().any(|(o, _)| o == output), "{name}");
+        }
+        assert!(
+            scumble::Pipeline::requirements(&graph).host.is_empty(),
+            "{name} needs no scene"
+        );
+    }
+    let temporal = graph("denoise-svgf");
+    for guide in ["normal", "view_z", "surface_id"] {
+        let past = reads(&temporal, "accumulate", &format!("previous_{guide}"));
+        assert_eq!(past, format!("{guide}@prev"));
+    }
+    let sparse = graph("upsample-external");
+    assert_eq!(sparse.pass("jbu").unwrap().1.grid, 4);
 }
 
 #[test]

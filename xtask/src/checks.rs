@@ -81,6 +81,16 @@ pub fn test(full: bool) -> Done {
             shared.display()
         );
     }
+    let python = std::env::var("SCUMBLE_PYTHON").unwrap_or("python3".into());
+    let asked = std::process::Command::new(&python)
+        .args(["-c", "import mitsuba"])
+        .output();
+    if !asked.is_ok_and(|output| output.status.success()) {
+        println!(
+            "\nSKIPPED: the test on images of Mitsuba 3, since {python} has no `mitsuba` (pip install mitsuba; SCUMBLE_PYTHON names \
+             the Python that has it)"
+        );
+    }
     println!(
         "\n{} tests passed, {} failed, {} ignored, in {:.0} s",
         count.passed,
@@ -119,11 +129,12 @@ impl Count {
     }
 }
 
-/// Checks every file in `graphs/`, and renders a small image with each that is a whole pipeline.
-/// (A file with inputs is a part for others.)
+/// Checks every file in `graphs/`, renders a small image with each that is a whole pipeline, and feeds those that take and
+/// give whole images from files. (Any other file with inputs is a part for others.)
 fn graphs() -> Done {
     setup::run()?;
     let into = root().join("target/ci/graphs");
+    let mut fed = Vec::new();
     for file in graph_files(&root().join("graphs"))? {
         let shown = file
             .strip_prefix(root())
@@ -137,6 +148,10 @@ fn graphs() -> Done {
             .as_array()
             .is_some_and(|inputs| !inputs.is_empty())
         {
+            let gives = |output: &str| !report["outputs"][output].is_null();
+            if gives("linear") && gives("display") {
+                fed.push((shown, report["inputs"].to_string()));
+            }
             continue;
         }
         let folder = into
@@ -147,6 +162,41 @@ fn graphs() -> Done {
             "--scene", "cornell", "--size", "33x17", "--quiet", "--output", &folder,
         ];
         run(scumble(&[&["render", shown.as_str()][..], &small].concat()))?;
+    }
+    denoise(&fed, &into)
+}
+
+/// Images as another renderer would make them, two frames of a camera that moves, whole and sparse, through each graph.
+fn denoise(graphs: &[(String, String)], into: &Path) -> Done {
+    let images = into.join("external");
+    let [whole, sparse] = ["", "sparse"].map(|name| images.join(name).display().to_string());
+    let options = "--scene cornell --frames 2 --camera-step 0.05,0,0 --quiet";
+    let guides = ["normal", "view_z", "motion", "albedo", "emission"];
+    let dumps = guides
+        .map(|guide| format!("--dump gbuffer.{guide}"))
+        .join(" ");
+    let render = |more: &str, folder: &str| {
+        let line = format!("render graphs/path-trace-1spp.ron {options} {more} --output");
+        let words: Vec<&str> = line.split_whitespace().chain([folder]).collect();
+        run(scumble(&words))
+    };
+    render(&format!("--size 33x17 {dumps}"), &whole)?;
+    render("--size 9x5", &sparse)?;
+    for (graph, inputs) in graphs {
+        let takes = |input: &str| inputs.contains(&format!("\"{input}\""));
+        // One pixel of a cell was traced where the graph asks for which.
+        let radiance = match takes("pixel") {
+            true => "radiance=sparse/frame.####.exr",
+            false => "radiance=frame.####.exr",
+        };
+        let guides = guides.iter().filter(|guide| takes(guide));
+        let guides = guides.map(|guide| format!(",{guide}=frame.####.gbuffer.{guide}.exr"));
+        let map = radiance.to_owned() + &guides.collect::<String>();
+        let name = Path::new(graph).file_stem().unwrap_or_default();
+        let folder = into.join(name).display().to_string();
+        let mut denoise = scumble(&["denoise", graph, "--quiet", "--map", &map]);
+        denoise.args(["--input", &whole, "--output", &folder]);
+        run(denoise)?;
     }
     Ok(())
 }
