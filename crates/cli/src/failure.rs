@@ -31,8 +31,10 @@ pub enum Failure {
     Readback(#[from] scumble::ReadbackError),
     #[error(transparent)]
     Stats(#[from] scumble::StatsError),
-    #[error("`{graph}` is a part for other graphs: nothing feeds its inputs {inputs}", graph = graph.display())]
+    #[error("`{graph}` is a part for other graphs: nothing feeds its inputs {inputs}; `scumble denoise` feeds a graph from image files", graph = graph.display())]
     Part { graph: PathBuf, inputs: String },
+    #[error(transparent)]
+    Denoise(#[from] crate::denoise::Problem),
     #[error("there is no pass `{name}`; {hint}")]
     UnknownPass { name: String, hint: String },
 

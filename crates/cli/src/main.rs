@@ -9,12 +9,14 @@ mod adapters;
 mod args;
 mod camera;
 mod compare;
+mod denoise;
 mod failure;
 mod folder;
 mod graph;
 mod levers;
 mod passes;
 mod picture;
+mod progress;
 mod render;
 mod report;
 mod scene;
@@ -58,6 +60,7 @@ fn run(verb: &Verb) -> Result<Verdict, Failure> {
         Verb::Compare(args) => return compare::run(args),
         Verb::Ablate(args) => return ablate::run(args),
         Verb::Render(args) => render::run(args),
+        Verb::Denoise(args) => denoise::run(args),
         Verb::Check(args) => graph::check(args),
         Verb::Graph(args) => picture::run(args),
         Verb::Passes(args) => passes::run(args),

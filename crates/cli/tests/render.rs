@@ -351,7 +351,7 @@ fn a_part_is_not_a_pipeline() {
     assert_eq!(
         fails(&place, &["--output", &out]),
         format!(
-            "error: `{}` is a part for other graphs: nothing feeds its inputs `value`",
+            "error: `{}` is a part for other graphs: nothing feeds its inputs `value`; `scumble denoise` feeds a graph from image files",
             place.graph
         )
     );

@@ -7,8 +7,8 @@ mod stats;
 use crate::args::RenderArgs;
 use crate::camera::CameraChoice;
 use crate::failure::Failure;
-use crate::{graph, levers, report, scene};
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::{graph, levers, progress, report, scene};
+use indicatif::ProgressBar;
 use output::Targets;
 use scumble::{Camera, FrameInput, Host, Pipeline, Requirements, Resolved};
 use scumble_lab::{Gpu, device, read_image, render_frame};
@@ -18,7 +18,6 @@ use serde_json::json;
 use stats::Stats;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
 
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let levers = levers::read()?;
@@ -43,7 +42,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     requirements.check_adapter(&adapter)?;
     let gpu = Gpu::open(&adapter, requirements.features)?;
 
-    let progress = progress(args);
+    let progress = progress::bar(args.frames, args.quiet);
     progress.set_message("loading the scene");
     let mut host = host(args, &gpu, &requirements, &progress)?;
     progress.set_message("building the passes");
@@ -120,20 +119,6 @@ fn host(
         host.insert("Scene", scene_gpu);
     }
     Ok(host)
-}
-
-fn progress(args: &RenderArgs) -> ProgressBar {
-    if args.quiet {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(u64::from(args.frames));
-    // The template is a constant; were it wrong, the default would do.
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {wide_bar} {pos}/{len} {eta}")
-    {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(100));
-    bar
 }
 
 /// Everything of one run of the verb.
