@@ -206,6 +206,28 @@ fn broken_guides_make_holes() {
     }
 }
 
+/// Vectors tell of one step; over a gap they would lead astray.
+#[test]
+fn a_gap_in_a_sequence_begins_histories_anew() {
+    let (_place, whole) = folder();
+    wall::blender(&whole, 4);
+    std::fs::remove_file(whole.join("0003.exr")).unwrap();
+    let run = denoise(&whole, &[]);
+    succeeds(&run);
+    assert_eq!(
+        text(&run.err),
+        "note: frame 4: motion vectors do not lead over the gap after frame 2: all histories begin anew"
+    );
+    let (_place, alone) = folder();
+    wall::blender(&alone, 4);
+    for number in 1..=3 {
+        std::fs::remove_file(alone.join(format!("{number:04}.exr"))).unwrap();
+    }
+    succeeds(&denoise(&alone, &[]));
+    // Nothing is left of what was before the gap.
+    assert_eq!(result(&whole, 4), result(&alone, 4));
+}
+
 #[test]
 fn single_images_need_no_motion() {
     let (_place, folder) = folder();

@@ -431,7 +431,7 @@ impl Reader<'_> {
                 why,
             },
         })?;
-        if !matches!(role(input.signal), Some(_)) && !input.signal.is_float() {
+        if role(input.signal).is_none() && !input.signal.is_float() {
             for value in texels.iter_mut().flatten() {
                 *value = f32::from_bits(value.max(0.0).round() as u32);
             }

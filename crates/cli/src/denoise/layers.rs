@@ -246,7 +246,8 @@ mod tests {
     #[test]
     fn the_names_of_renderers() {
         use Role::*;
-        let files: [(&str, &[&str], &[(&str, Option<Role>)]); 3] = [
+        type Taken = &'static [(&'static str, Option<Role>)];
+        let files: [(&str, &[&str], Taken); 3] = [
             (
                 "Blender",
                 &[

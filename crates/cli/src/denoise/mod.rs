@@ -53,6 +53,13 @@ pub fn run(args: &DenoiseArgs) -> Result<(), Failure> {
     let lost = pipeline.device_lost_handler();
     gpu.device.set_device_lost_callback(lost);
     folder::prepare(&args.output)?;
+    let last = plan.numbers.last().copied().unwrap_or(1);
+    if let (false, Some((low, high))) = (args.quiet, folder::left_over(&args.output, last)) {
+        let folder = args.output.display();
+        report::note(format_args!(
+            "`{folder}` still holds frames {low} to {high} of an earlier run"
+        ));
+    }
     if !args.quiet && !args.json {
         feeds(&plan, &inputs).iter().for_each(report::line);
     }
@@ -69,12 +76,19 @@ pub fn run(args: &DenoiseArgs) -> Result<(), Failure> {
     bar.set_message("denoising");
     let mut done = Vec::new();
     let mut before = None;
+    let step = plan.step();
     for (i, &number) in (0..).zip(&plan.numbers) {
         let in_frame = |failure: Failure| Failure::InFrame {
             number,
             failure: Box::new(failure),
         };
-        let frame = frames.read(number, before).map_err(in_frame)?;
+        let mut frame = frames.read(number, before).map_err(in_frame)?;
+        let gap = before.filter(|before| number - before > step && plan.reads_motion(&inputs));
+        if let Some(before) = gap {
+            let note = "motion vectors do not lead over the gap after frame";
+            let note = format!("{note} {before}: all histories begin anew");
+            frame.notes.push(note);
+        }
         if !args.quiet {
             let notes = frame.notes.iter();
             bar.suspend(|| {
@@ -86,6 +100,7 @@ pub fn run(args: &DenoiseArgs) -> Result<(), Failure> {
             camera: frame.camera,
             previous_camera: frame.previous,
             frame: i,
+            cut: gap.is_some(),
             ..FrameInput::default()
         };
         render_frame(&gpu, &mut pipeline, &mut host, &input)?;

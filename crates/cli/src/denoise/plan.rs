@@ -245,6 +245,7 @@ impl Planner<'_> {
                 (None, Some((_, role))) => Some(*role),
                 (None, None) => {
                     let names = inputs.iter().map(|input| input.name.as_str());
+                    let names = names.chain(BESIDES.map(|(known, _)| known));
                     let hint = match nearest(name, names.clone()) {
                         Some(near) => format!("; did you mean `{near}`?"),
                         None => format!("; it has {}", names.collect::<Vec<_>>().join(", ")),
@@ -499,6 +500,19 @@ impl Plan {
                 _ => None,
             });
         fed.chain(self.position.iter().map(|source| ("position", source)))
+    }
+
+    /// How far apart frames are that follow on each other.
+    pub fn step(&self) -> u32 {
+        let pairs = self.numbers.windows(2).map(|pair| pair[1] - pair[0]);
+        pairs.min().unwrap_or(1)
+    }
+
+    /// Whether motion comes from files, which know of one step only.
+    pub fn reads_motion(&self, inputs: &[GraphInput]) -> bool {
+        let fed = inputs.iter().zip(&self.feeds);
+        let mut motions = fed.filter(|(input, _)| input.signal == signal::MOTION);
+        motions.any(|(_, how)| matches!(how, How::Read(_)))
     }
 
     /// The numbers of the first sequence; every other must have the same.
