@@ -1,12 +1,14 @@
 //! `scumble denoise`: image sequences of any renderer through a graph that has inputs.
 
 mod cameras;
+mod catalogue;
 mod files;
 mod frame;
 mod layers;
 mod meaning;
 mod plan;
 mod problem;
+mod reader;
 mod textures;
 
 pub use problem::Problem;
