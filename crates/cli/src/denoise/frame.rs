@@ -99,6 +99,8 @@ impl Frames<'_> {
     /// What follows from positions, depth and cameras.
     fn derive(&self, frame: &mut Frame, position: Option<Vec<Vec3>>) -> Result<(), Problem> {
         let (camera, previous, size) = (frame.camera, frame.previous, self.size);
+        let [view, previous_view] = [camera, previous].map(|camera| camera.view_from_world());
+        let [clip, previous_clip] = [camera, previous].map(|camera| camera.clip_from_world(size));
         let depth = self.input(signal::VIEW_Z);
         if let (Some(i), Some(position)) = (depth, &position)
             && matches!(self.plan.feeds[i], How::PositionDepth)
@@ -106,7 +108,7 @@ impl Frames<'_> {
             // Where nothing was hit, the position is 0.
             let z = |p: &Vec3| match *p == Vec3::ZERO {
                 true => SKY_Z,
-                false => meaning::depth_of(*p, &camera),
+                false => meaning::depth_of(*p, &view),
             };
             let of = |p: &Vec3| [z(p), 0.0, 0.0, 1.0];
             frame.texels[i] = Some(position.iter().map(of).collect());
@@ -133,7 +135,7 @@ impl Frames<'_> {
                 How::CameraMotion => {
                     let motion = |at| {
                         let p = point(at).ok_or_else(needs)?;
-                        let [x, y] = meaning::camera_motion(p, &camera, &previous, size);
+                        let [x, y] = meaning::camera_motion(p, [&clip, &previous_clip]);
                         Ok([x, y, 0.0, 1.0])
                     };
                     Some((0..count).map(motion).collect::<Result<_, _>>()?)
@@ -142,7 +144,7 @@ impl Frames<'_> {
                     let past = |at| {
                         let p = point(at).ok_or_else(needs)?;
                         let z = match p.w > 0.0 {
-                            true => meaning::depth_of(p.truncate(), &previous),
+                            true => meaning::depth_of(p.truncate(), &previous_view),
                             false => SKY_Z,
                         };
                         Ok([z, 0.0, 0.0, 1.0])

@@ -4,7 +4,7 @@ use super::frame::{HOLE_Z, SKY_Z, Texels};
 use super::layers::{Meaning, Role};
 use super::plan::role;
 use crate::args::{DepthKind, MotionTarget, MotionUnits, NormalSpace, YAxis};
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 use scumble::{Camera, GraphInput};
 use scumble_metrics::linear_from_srgb;
 
@@ -174,16 +174,16 @@ pub fn point(at: usize, z: f32, camera: &Camera, size: [u32; 2]) -> Vec4 {
     }
 }
 
-/// How far along a camera's view axis a point is; a hole behind it.
-pub fn depth_of(p: Vec3, camera: &Camera) -> f32 {
-    let z = -camera.view_from_world().transform_point3(p).z;
+/// How far along the view axis a point is; a hole behind the camera.
+pub fn depth_of(p: Vec3, view_from_world: &Mat4) -> f32 {
+    let z = -view_from_world.transform_point3(p).z;
     if z.is_nan() || z > 0.0 { z } else { HOLE_Z }
 }
 
-/// uv now minus uv before of a point of the world that stands still.
-pub fn camera_motion(p: Vec4, camera: &Camera, previous: &Camera, size: [u32; 2]) -> [f32; 2] {
-    let uv = |camera: &Camera| {
-        let clip = camera.clip_from_world(size) * p;
+/// uv now minus uv before of a point of the world that stands still, by the matrices of both cameras.
+pub fn camera_motion(p: Vec4, [clip_from_world, previous]: [&Mat4; 2]) -> [f32; 2] {
+    let uv = |clip_from_world: &Mat4| {
+        let clip = *clip_from_world * p;
         // Behind the camera nothing was seen: outside of the image.
         match clip.w > 0.0 {
             true => Vec2::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w),
@@ -193,7 +193,7 @@ pub fn camera_motion(p: Vec4, camera: &Camera, previous: &Camera, size: [u32; 2]
     if !p.is_finite() {
         return [f32::NAN; 2];
     }
-    (uv(camera) - uv(previous)).to_array()
+    (uv(clip_from_world) - uv(previous)).to_array()
 }
 
 /// A unit vector as octahedral 2 x snorm16 (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit
@@ -345,13 +345,14 @@ mod tests {
         let before = Camera::look_at([0.0, 0.1, 3.2], [0.0, 0.0, 0.0], 50.0);
         let at = 7 * 40 + 11;
         let p = point(at, 2.5, &now, size);
-        assert!((depth_of(p.truncate(), &now) - 2.5).abs() < 1e-5);
-        let [x, y] = camera_motion(p, &now, &before, size);
+        assert!((depth_of(p.truncate(), &now.view_from_world()) - 2.5).abs() < 1e-5);
+        let (is, was) = (now.clip_from_world(size), before.clip_from_world(size));
+        let [x, y] = camera_motion(p, [&is, &was]);
         let uv = Vec2::new(11.5 / 40.0 - x, 7.5 / 20.0 - y);
-        let clip = before.clip_from_world(size) * p;
+        let clip = was * p;
         let expected = Vec2::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w);
         assert!((uv - expected).length() < 1e-5);
-        assert_eq!(camera_motion(p, &now, &now, size), [0.0, 0.0]);
+        assert_eq!(camera_motion(p, [&is, &is]), [0.0, 0.0]);
     }
 
     #[test]
