@@ -215,7 +215,12 @@ impl<'a> Runner<'a> {
             truth,
         )?;
         let mut base = stage.key.clone();
-        base.add("run").add(&pipeline.resolved().to_string());
+        // A record says of whom it is: two variants that come to the same have two.
+        base.add("run")
+            .add(&variant.name)
+            .add(cellar.scene)
+            .add(&cellar.path.name);
+        base.add(&pipeline.resolved().to_string());
         base.value(&experiment.size).value(&experiment.metrics);
         for pose in &cellar.poses {
             base.camera(&pose.camera).value(&pose.time);

@@ -252,13 +252,13 @@ fn what_fails_is_told_and_the_rest_goes_on() {
     let folder = folder(
         "bitcast<f32>(0x7f800000u | (id.x / 65536u))",
         scenes,
-        "\"trace.ron\", \"missing.ron\"",
+        "\"trace.ron\", \"missing.ron\", (graph: \"plain.ron\", name: \"again\")",
         STILL,
     );
     let output = folder.path().join("out");
     let (index, _) = run(&gpu, folder.path(), &output, Shard::WHOLE);
-    // The base, with two seeds.
-    assert_eq!(index.keys.len(), 2);
+    // The base and what is the same by another name, with two seeds.
+    assert_eq!(index.keys.len(), 4);
     let of =
         |wanted: &dyn Fn(&Failure) -> bool| index.failures.iter().filter(|f| wanted(f)).count();
     assert_eq!(of(&|f| f.scene.as_deref() == Some("nowhere.glb")), 1);
@@ -268,6 +268,7 @@ fn what_fails_is_told_and_the_rest_goes_on() {
     assert_eq!(of(&infinite), 2, "{:#?}", index.failures);
     assert_eq!(index.failures.len(), 4);
     let results = Results::new(index, &output);
-    assert_eq!(results.summaries.len(), 1);
+    assert_eq!(results.summaries.len(), 2);
+    assert!(results.summaries.iter().all(|s| s.seeds == [1, 2]));
     assert!(results.text().contains("plain"));
 }
