@@ -9,6 +9,7 @@ use scumble_lab::{
     Event, Experiment, Gpu, Index, LabError, Plan, Results, Runner, device, measure_speed, merge,
 };
 use serde_json::json;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -16,8 +17,10 @@ use std::time::Duration;
 const STEPS: f64 = 100.0;
 
 pub fn run(args: &AblateArgs) -> Result<Verdict, Failure> {
-    if let Some(AblateVerb::Merge(args)) = &args.verb {
-        return put_together(args);
+    match &args.verb {
+        Some(AblateVerb::Merge(args)) => return put_together(args),
+        Some(AblateVerb::Report(args)) => return report_again(&args.results),
+        None => {}
     }
     let path = args.experiment.as_deref().unwrap_or(Path::new(""));
     let experiment = Experiment::read(path, args.quick).map_err(LabError::from)?;
@@ -36,7 +39,11 @@ pub fn run(args: &AblateArgs) -> Result<Verdict, Failure> {
         report::line(plan.text(None).trim_end());
     }
     let bar = progress(args, &plan);
+    let mut found = BTreeSet::new();
     let mut listener = |event: Event<'_>| match event {
+        Event::Found(key) => {
+            found.insert(key.to_owned());
+        }
         Event::Doing(what) => bar.set_message(what.to_owned()),
         Event::Done(paths) => bar.inc((paths * STEPS) as u64),
         Event::Note(note) => bar.suspend(|| report::note(note)),
@@ -47,7 +54,8 @@ pub fn run(args: &AblateArgs) -> Result<Verdict, Failure> {
     bar.finish_and_clear();
     let failed = !index.failures.is_empty();
     let results = Results::new(index, &folder);
-    let files = results.write(&folder)?;
+    let mut files = results.write(&folder)?;
+    files.push(results.write_report(&folder, Some(&found))?);
     if args.json {
         report::json(&json!({
             "files": files,
@@ -141,8 +149,20 @@ fn put_together(args: &MergeArgs) -> Result<Verdict, Failure> {
     let index: Index = merge(&args.parts, &args.output)?;
     let failed = !index.failures.is_empty();
     let results = Results::new(index, &args.output);
-    let files = results.write(&args.output)?;
+    let mut files = results.write(&args.output)?;
+    files.push(results.write_report(&args.output, None)?);
     report::line(results.text().trim_end());
+    files.iter().for_each(|file| report::line(file.display()));
+    Ok(verdict(failed, &results))
+}
+
+/// Writes the results of a folder from its records once more.
+fn report_again(folder: &Path) -> Result<Verdict, Failure> {
+    let index = Index::read(folder)?;
+    let failed = !index.failures.is_empty();
+    let results = Results::new(index, folder);
+    let mut files = results.write(folder)?;
+    files.push(results.write_report(folder, None)?);
     files.iter().for_each(|file| report::line(file.display()));
     Ok(verdict(failed, &results))
 }

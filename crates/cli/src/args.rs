@@ -430,6 +430,15 @@ pub struct AblateArgs {
 pub enum AblateVerb {
     /// Put the parts of an experiment into one folder, with the results of all
     Merge(MergeArgs),
+    /// Write the report, and results.json and results.csv, of a folder of results once more
+    Report(ReportArgs),
+}
+
+#[derive(Args)]
+pub struct ReportArgs {
+    /// The folder of an experiment's results
+    #[arg(value_name = "DIR")]
+    pub results: PathBuf,
 }
 
 #[derive(Args)]

@@ -91,6 +91,9 @@ pub enum LabError {
         /// What is wrong.
         message: String,
     },
+    /// A plot of the report that cannot be drawn.
+    #[error("a plot of the report: {0}")]
+    Plot(String),
     /// A folder that cannot be used.
     #[error("cannot use the folder `{path}`: {source}", path = path.display())]
     Folder {

@@ -15,6 +15,7 @@ mod output;
 mod plan;
 mod record;
 mod render;
+mod report;
 mod results;
 mod runner;
 mod scene;

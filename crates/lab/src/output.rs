@@ -127,7 +127,7 @@ fn quoted(text: &str) -> String {
 }
 
 /// Three digits that count.
-fn short(x: f64) -> String {
+pub(crate) fn short(x: f64) -> String {
     let size = x.abs();
     if x == 0.0 {
         "0".to_owned()

@@ -22,6 +22,8 @@ use std::time::Instant;
 pub enum Event<'a> {
     /// What is done now.
     Doing(&'a str),
+    /// The name of a record that is there already.
+    Found(&'a str),
     /// Paths per pixel that were traced, or were there already, of those that were planned.
     Done(f64),
     /// Something worth knowing.
@@ -234,7 +236,9 @@ impl<'a> Runner<'a> {
             let key = base.clone().value(&seed).name();
             let file = self.folder.join("runs").join(format!("{key}.json"));
             let what = format!("{}, {}, {}", cellar.scene, cellar.path.name, variant.name);
-            if !self.is_there(&file, seed) {
+            if self.is_there(&file, seed) {
+                (self.listener)(Event::Found(&key));
+            } else {
                 (self.listener)(Event::Doing(&what));
                 self.cell(cellar, stage, reference, truth)?;
                 let run = Run {
