@@ -13,12 +13,14 @@ impl Pipeline {
     /// No such input, or a texture of another signal, format, shape or usage. One of the wrong size is an error of the next frame,
     /// since [`Pipeline::resize`] may come between.
     ///
-    /// ```no_run
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # let (device, queue): (wgpu::Device, wgpu::Queue) = unimplemented!();
-    /// # let registry = scumble::Registry::new();
-    /// # let (noisy, depth, normals, motion): (wgpu::Texture, wgpu::Texture, wgpu::Texture, wgpu::Texture) = unimplemented!();
-    /// # let (camera, previous_camera) = (scumble::Camera::default(), scumble::Camera::default());
+    /// ```
+    /// # use scumble::{Camera, Registry};
+    /// # fn engine(
+    /// #     (device, queue): (wgpu::Device, wgpu::Queue),
+    /// #     registry: Registry,
+    /// #     [noisy, depth, normals, motion]: [wgpu::Texture; 4],
+    /// #     [camera, previous_camera]: [Camera; 2],
+    /// # ) -> Result<(), Box<dyn std::error::Error>> {
     /// use scumble::{Edits, FrameInput, Host, Pipeline, resolve, signal};
     ///
     /// let graph = resolve("graphs/denoise-svgf.ron", &registry, &Edits::default())?;
