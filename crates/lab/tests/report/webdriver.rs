@@ -85,7 +85,7 @@ impl Browser {
 
     /// One request; gives the `value` of what is answered.
     fn ask(&self, method: &str, path: &str, body: &Value) -> Value {
-        let body = if method == "GET" {
+        let body = if method != "POST" {
             String::new()
         } else {
             body.to_string()
