@@ -18,9 +18,9 @@ scumble::params! {
         /// Half the width of the neighbourhood whose filtered histories make the range.
         pub range: u32 = 1, in 0..=8, unit "texels";
         /// How many standard deviations outside the range are still noise.
-        pub noise_sigmas: f32 = 2.5, in 0.0..=1000.0;
+        pub noise_sigmas: f32 = 1.0, in 0.0..=1000.0;
         /// How many standard deviations outside the range drop the history.
-        pub change_sigmas: f32 = 5.0, in 0.0..=1000.0;
+        pub change_sigmas: f32 = 3.0, in 0.0..=1000.0;
         /// Part of the luminance that counts as a standard deviation more.
         pub tolerance: f32 = 0.01, in 0.0..=1.0;
         /// Half the width of the window of gradient samples, where there are any: 2 is 5 x 5 strata of 3 x 3 texels.
