@@ -81,6 +81,10 @@ pub fn registry() -> Registry {
         include_str!("accumulate/footprint.wgsl"),
     );
     registry.add_wgsl_module(
+        "accumulate/trust.wgsl",
+        include_str!("accumulate/trust.wgsl"),
+    );
+    registry.add_wgsl_module(
         "occlusion-reject/motion.wgsl",
         include_str!("occlusion-reject/motion.wgsl"),
     );

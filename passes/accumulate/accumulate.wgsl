@@ -9,6 +9,7 @@
 
 #include "scumble/conventions.wgsl"
 #include "accumulate/footprint.wgsl"
+#include "accumulate/trust.wgsl"
 
 struct Params {
     blend: f32,
@@ -90,15 +91,6 @@ fn fetch(q: vec2i) -> State {
     );
 }
 
-// How many samples of a history of this age count, beside n new ones.
-fn trusted(q: vec2i, age: f32, n: f32) -> f32 {
-    let k = textureLoad(confidence, q, 0).x;
-    if params.has_confidence == 0u || !is_finite(k) || k >= 1.0 {
-        return age;
-    }
-    return min(age, n * max(k, 0.0) / (1.0 - k));
-}
-
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let q = vec2i(id.xy);
@@ -133,7 +125,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         store(q, State(past.value, past.moments, squares, past.age));
         return;
     }
-    let age = trusted(q, past.age, n);
+    let age = trusted_age(past.age, n, textureLoad(confidence, q, 0).x, params.has_confidence != 0u);
     var r = vec2f(1.0);
     if age > 0.0 {
         r = max(vec2f(params.blend, params.moments_blend), vec2f(n / (age + n)));

@@ -1,10 +1,11 @@
 #![doc = include_str!("README.md")]
 
-use framegraph::{ComputeKernel, First};
+use framegraph::{ComputeKernel, First, HistoryTexture, Texture};
 use scumble::{
-    BuildContext, BuildError, Bypass, FirstFrame, Pass, PassFrame, Port, RecordError, signal,
+    BuildContext, BuildError, Bypass, Dispatch, FirstFrame, Pass, PassFrame, Port, RecordError,
+    signal,
 };
-use wgpu::TextureFormat::{R32Float, R32Uint, Rg32Float, Rgba16Float};
+use wgpu::TextureFormat::{R32Float, R32Uint, Rg32Float, Rgba16Float, Rgba32Float};
 
 scumble::choice! {
     /// What tells that a texel of the previous frame shows the same surface.
@@ -54,6 +55,7 @@ scumble::params! {
 pub struct Accumulate {
     reproject: ComputeKernel,
     accumulate: ComputeKernel,
+    channels: ComputeKernel,
 }
 
 /// What `reproject.wgsl` reads, of this frame and of the one before: the inputs of every pass that looks back along motion.
@@ -139,6 +141,10 @@ impl Pass for Accumulate {
             state("age", signal::AGE).about("samples accumulated"),
             state("weights", signal::WEIGHTS)
                 .about("sums of squared weights of the samples in value and moments"),
+            state("channel_means", signal::CHANNEL_MEANS)
+                .about("of the value, never of a filtered history"),
+            state("channel_squares", signal::CHANNEL_SQUARES)
+                .about("of the value, never of a filtered history"),
         ]
     }
 
@@ -158,6 +164,7 @@ impl Pass for Accumulate {
                 "accumulate/accumulate.wgsl",
                 include_str!("accumulate.wgsl"),
             )?,
+            channels: kernel("accumulate/channels.wgsl", include_str!("channels.wgsl"))?,
         })
     }
 
@@ -174,27 +181,49 @@ impl Pass for Accumulate {
         dispatch.over(size)?;
 
         let mut state = |name, format| frame.history(name, format, size, First::Clear([0.0; 4]));
-        let histories = [
+        let moments = [
             ("moments", state("moments", Rg32Float)),
             ("age", state("age", R32Float)),
             ("weights", state("weights", R32Uint)),
         ];
-        let mut dispatch = frame
+        let mut outputs = Vec::new();
+        let previous_age = moments[1].1.previous.first().copied().flatten();
+        let by_channel = frame.wants("channel_means") || frame.wants("channel_squares");
+        let dispatch = frame
             .dispatch("accumulate", &self.accumulate)
             .texture("footprint", footprint);
-        let mut next = Vec::new();
-        for (name, history) in &histories {
-            if let Some(previous) = history.previous.first().copied().flatten() {
-                dispatch = dispatch.texture(&format!("previous_{name}"), previous);
+        continued(dispatch, &moments, &mut outputs).over(size)?;
+        if by_channel {
+            let mut state = |name| frame.history(name, Rgba32Float, size, First::Clear([0.0; 4]));
+            let channels = ["channel_means", "channel_squares"].map(|name| (name, state(name)));
+            let mut dispatch = frame
+                .dispatch("channels", &self.channels)
+                .texture("footprint", footprint);
+            if let Some(previous) = previous_age {
+                dispatch = dispatch.texture("previous_age", previous);
             }
-            let written;
-            (dispatch, written) = dispatch.write(&format!("next_{name}"), history.current);
-            next.push((*name, written));
+            continued(dispatch, &channels, &mut outputs).over(size)?;
         }
-        dispatch.over(size)?;
-        for (name, texture) in next {
+        for (name, texture) in outputs {
             frame.set_output(name, texture);
         }
         Ok(())
     }
+}
+
+/// Binds what is kept from frame to frame, and remembers what is written as an output.
+fn continued<'d, 'a, 'f>(
+    mut dispatch: Dispatch<'d, 'a, 'f>,
+    kept: &[(&'static str, HistoryTexture)],
+    outputs: &mut Vec<(&'static str, Texture)>,
+) -> Dispatch<'d, 'a, 'f> {
+    for (name, history) in kept {
+        if let Some(previous) = history.previous.first().copied().flatten() {
+            dispatch = dispatch.texture(&format!("previous_{name}"), previous);
+        }
+        let written;
+        (dispatch, written) = dispatch.write(&format!("next_{name}"), history.current);
+        outputs.push((*name, written));
+    }
+    dispatch
 }

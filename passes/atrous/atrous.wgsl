@@ -1,6 +1,7 @@
 // One level of the edge-avoiding a-trous wavelet transform, taps 2^level texels apart, with its variance:
 //   c'(p) = sum_q h w c(q) / sum_q h w,     Var'(p) = sum_q (h w)^2 Var(q) / (sum_q h w)^2
 //   w = w_normal w_depth w_luminance [w_normal w_depth of what is reflected],       w_luminance = exp(-|L(p) - L(q)| / (sigma_l sqrt(Var) + epsilon))
+// With the variances of the channels, the least w_luminance of red, green and blue, each in the place of L.
 // h is [1 2 1]/4 or [1 4 6 4 1]/16 in each axis. normal and depth: passes/edges.wgsl.
 // H. Dammertz et al., "Edge-Avoiding A-Trous Wavelet Transform for Fast Global Illumination Filtering", HPG 2010; C. Schied et al.,
 // "Spatiotemporal Variance-Guided Filtering", HPG 2017, equations 1 to 5; L. Dundr, "Progressive Spatiotemporal Variance-Based Path
@@ -33,6 +34,7 @@ struct Params {
     has_guide_variance: u32,
     has_reflected_view_z: u32,
     has_reflected_normal: u32,
+    by_channel: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -48,6 +50,8 @@ struct Params {
 @group(0) @binding(9) var out_first: texture_storage_2d<{{first.format}}, write>;
 @group(0) @binding(11) var reflected_view_z: texture_2d<f32>;
 @group(0) @binding(12) var reflected_normal: texture_2d<u32>;
+@group(0) @binding(13) var level_channels: texture_2d<f32>;
+@group(0) @binding(14) var next_channels: texture_storage_2d<rgba32float, write>;
 
 const LUMINANCE_NONE: u32 = 2u;
 const LUMINANCE_VARIANCE: u32 = 1u;
@@ -56,6 +60,7 @@ const VARIANCE_MINIMUM: u32 = 1u;
 struct Filtered {
     value: vec4f,
     variance: f32,
+    channels: vec3f,
 }
 
 fn age_at(p: vec2i) -> f32 {
@@ -70,6 +75,19 @@ fn variance_at(p: vec2i) -> f32 {
     return select(0.0, max(v, 0.0), params.has_level_variance != 0u && is_finite(v));
 }
 
+// What the luminance weight compares with: of each channel, or thrice that of luminance.
+fn channels_at(p: vec2i) -> vec3f {
+    if params.by_channel == 0u {
+        return vec3f(variance_at(p));
+    }
+    let v = textureLoad(level_channels, p, 0).rgb;
+    return select(vec3f(0.0), max(v, vec3f(0.0)), is_finite3(v));
+}
+
+fn lights(c: vec4f) -> vec3f {
+    return select(vec3f(luminance709(c.rgb)), c.rgb, params.by_channel != 0u);
+}
+
 // Variance of normal and relative distance within a texel.
 fn guide_variance_at(p: vec2i) -> vec2f {
     let v = textureLoad(guide_variance, p, 0).xy;
@@ -82,15 +100,15 @@ fn carries(p: vec2i, c: vec4f) -> bool {
 }
 
 // g3x3 of Schied et al. 2017, equation 5.
-fn blurred_variance(p: vec2i, size: vec2i) -> f32 {
-    var sum = 0.0;
+fn blurred_variance(p: vec2i, size: vec2i) -> vec3f {
+    var sum = vec3f(0.0);
     var weight = 0.0;
     for (var i = 0; i < 9; i++) {
         let d = vec2i(i % 3, i / 3) - 1;
         let q = p + d;
         if all(q >= vec2i(0)) && all(q < size) && is_guide(textureLoad(view_z, q, 0).x) {
             let w = f32((2 - abs(d.x)) * (2 - abs(d.y)));
-            sum += w * variance_at(q);
+            sum += w * channels_at(q);
             weight += w;
         }
     }
@@ -142,7 +160,7 @@ fn filtered(p: vec2i, size: vec2i) -> Filtered {
     let c_p = textureLoad(level_value, p, 0);
     let z_p = textureLoad(view_z, p, 0).x;
     if !is_guide(z_p) {
-        return Filtered(select(vec4f(0.0), c_p, is_finite4(c_p)), 0.0);
+        return Filtered(select(vec4f(0.0), c_p, is_finite4(c_p)), 0.0, vec3f(0.0));
     }
     let n_p = octahedral_decode(textureLoad(normal, p, 0).x);
     let id_p = textureLoad(surface_id, p, 0).x;
@@ -156,10 +174,10 @@ fn filtered(p: vec2i, size: vec2i) -> Filtered {
 
     // A texel without a value of its own takes its neighbours', however bright they are.
     let own = carries(p, c_p);
-    let by_luminance = own && params.luminance != LUMINANCE_NONE && params.has_level_variance != 0u;
+    let by_luminance = own && params.luminance != LUMINANCE_NONE && (params.has_level_variance != 0u || params.by_channel != 0u);
     let age_p = age_at(p);
-    let l_p = luminance709(c_p.rgb);
-    var v_p = variance_at(p);
+    let l_p = lights(c_p);
+    var v_p = channels_at(p);
     if params.blur_variance != 0u {
         v_p = blurred_variance(p, size);
     }
@@ -170,6 +188,7 @@ fn filtered(p: vec2i, size: vec2i) -> Filtered {
     let radius = select(2, 1, params.kernel == 0u);
     var sum = vec4f(0.0);
     var variance = 0.0;
+    var channels = vec3f(0.0);
     var weight = 0.0;
     for (var y = -radius; y <= radius; y++) {
         for (var x = -radius; x <= radius; x++) {
@@ -183,7 +202,7 @@ fn filtered(p: vec2i, size: vec2i) -> Filtered {
                 continue;
             }
             var w = kernel_weight(x) * kernel_weight(y);
-            let v_q = variance_at(q);
+            let v_q = channels_at(q);
             if x != 0 || y != 0 {
                 let z_q = textureLoad(view_z, q, 0).x;
                 // What varies within the texels keeps them less apart: passes/guide-variance.
@@ -197,45 +216,75 @@ fn filtered(p: vec2i, size: vec2i) -> Filtered {
                 if by_luminance {
                     let v = select(v_p, min(v_p, v_q), params.variance_at == VARIANCE_MINIMUM);
                     let noise = select(sqrt(v), v, params.luminance == LUMINANCE_VARIANCE);
-                    w *= exp(-abs(l_p - luminance709(c_q.rgb)) / (params.sigma_luminance * noise + epsilon + 1e-20));
+                    let apart = abs(l_p - lights(c_q)) / (params.sigma_luminance * noise + epsilon + 1e-20);
+                    w *= exp(-max(apart.x, max(apart.y, apart.z)));
                 }
             }
             sum += w * c_q;
-            variance += w * w * v_q;
+            variance += w * w * variance_at(q);
+            channels += w * w * v_q;
             weight += w;
         }
     }
     if weight < 1e-12 {
-        return Filtered(vec4f(0.0), 0.0);
+        return Filtered(vec4f(0.0), 0.0, vec3f(0.0));
     }
-    return Filtered(vec4f(sum.rgb / weight, 1.0), variance / (weight * weight));
+    return Filtered(vec4f(sum.rgb / weight, 1.0), variance / (weight * weight), channels / (weight * weight));
+}
+
+fn store(p: vec2i, f: Filtered) {
+    textureStore(out_value, p, f.value);
+    textureStore(out_variance, p, vec4f(f.variance, 0.0, 0.0, 0.0));
+}
+
+// What may become history: the first level, but unfiltered below one sample, and from feedback_age on.
+fn store_first(p: vec2i, f: Filtered) {
+    let n = age_at(p);
+    let raw = n < 1.0 || (params.feedback_age > 0.0 && n >= params.feedback_age);
+    let c = textureLoad(level_value, p, 0);
+    textureStore(out_first, p, select(f.value, select(vec4f(0.0), c, is_finite4(c)), raw));
 }
 
 @compute @workgroup_size(8, 8)
 fn level(@builtin(global_invocation_id) id: vec3u) {
     let size = vec2i(textureDimensions(level_value));
     let p = vec2i(id.xy);
-    if any(p >= size) {
-        return;
+    if all(p < size) {
+        store(p, filtered(p, size));
     }
-    let f = filtered(p, size);
-    textureStore(out_value, p, f.value);
-    textureStore(out_variance, p, vec4f(f.variance, 0.0, 0.0, 0.0));
 }
 
-// The first level, which is also what may become history: unfiltered below one sample, and from feedback_age on.
 @compute @workgroup_size(8, 8)
 fn first_level(@builtin(global_invocation_id) id: vec3u) {
     let size = vec2i(textureDimensions(level_value));
     let p = vec2i(id.xy);
-    if any(p >= size) {
-        return;
+    if all(p < size) {
+        let f = filtered(p, size);
+        store(p, f);
+        store_first(p, f);
     }
-    let f = filtered(p, size);
-    textureStore(out_value, p, f.value);
-    textureStore(out_variance, p, vec4f(f.variance, 0.0, 0.0, 0.0));
-    let n = age_at(p);
-    let raw = n < 1.0 || (params.feedback_age > 0.0 && n >= params.feedback_age);
-    let c = textureLoad(level_value, p, 0);
-    textureStore(out_first, p, select(f.value, select(vec4f(0.0), c, is_finite4(c)), raw));
+}
+
+// The same with the variances of the channels.
+@compute @workgroup_size(8, 8)
+fn level_by_channel(@builtin(global_invocation_id) id: vec3u) {
+    let size = vec2i(textureDimensions(level_value));
+    let p = vec2i(id.xy);
+    if all(p < size) {
+        let f = filtered(p, size);
+        store(p, f);
+        textureStore(next_channels, p, vec4f(f.channels, 0.0));
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn first_level_by_channel(@builtin(global_invocation_id) id: vec3u) {
+    let size = vec2i(textureDimensions(level_value));
+    let p = vec2i(id.xy);
+    if all(p < size) {
+        let f = filtered(p, size);
+        store(p, f);
+        store_first(p, f);
+        textureStore(next_channels, p, vec4f(f.channels, 0.0));
+    }
 }

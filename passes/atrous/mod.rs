@@ -97,8 +97,9 @@ scumble::params! {
 
 /// The pass; see the module.
 pub struct Atrous {
-    level: ComputeKernel,
-    first_level: ComputeKernel,
+    /// Of luminance, of each channel.
+    level: [ComputeKernel; 2],
+    first_level: [ComputeKernel; 2],
     order: Vec<u32>,
 }
 
@@ -126,6 +127,9 @@ impl Pass for Atrous {
             port("variance", signal::VARIANCE)
                 .optional()
                 .about("of the value's luminance; without it luminance does not guide"),
+            port("channel_variance", signal::CHANNEL_VARIANCE)
+                .optional()
+                .about("of red, green and blue, which guide in the place of luminance"),
             port("surface_id", signal::SURFACE_ID)
                 .optional()
                 .about("guide"),
@@ -166,10 +170,10 @@ impl Pass for Atrous {
     }
 
     fn build(ctx: &BuildContext<'_>, p: &AtrousParams) -> Result<Self, BuildError> {
-        let wgsl = include_str!("atrous.wgsl");
+        let kernel = |entry| ctx.kernel("atrous/atrous.wgsl", include_str!("atrous.wgsl"), entry);
         Ok(Self {
-            level: ctx.kernel("atrous/atrous.wgsl", wgsl, "level")?,
-            first_level: ctx.kernel("atrous/atrous.wgsl", wgsl, "first_level")?,
+            level: [kernel("level")?, kernel("level_by_channel")?],
+            first_level: [kernel("first_level")?, kernel("first_level_by_channel")?],
             order: order(p.levels, p.order),
         })
     }
@@ -184,12 +188,16 @@ impl Pass for Atrous {
             return Err(RecordError::Failed("it has no value".into()));
         };
         let mut variance = frame.input("variance");
+        let mut channels = frame.input("channel_variance");
+        let by_channel = channels.is_some();
         let format = frame.output_format("value");
         for (i, level) in self.order.iter().enumerate() {
-            let kernel = match i == 0 && frame.wants("first") {
+            let kernels = match i == 0 && frame.wants("first") {
                 true => &self.first_level,
                 false => &self.level,
             };
+            let next_channels = channels
+                .map(|_| frame.transient("level channels", wgpu::TextureFormat::Rgba32Float, size));
             // The last level writes the outputs.
             let between = (i + 1 < self.order.len()).then(|| {
                 [
@@ -198,12 +206,19 @@ impl Pass for Atrous {
                 ]
             });
             let mut dispatch = frame
-                .dispatch("level", kernel)
+                .dispatch("level", &kernels[usize::from(by_channel)])
                 .set("step", 1u32 << level)
                 .set("has_level_variance", variance.is_some())
                 .texture("level_value", value)
                 // Not looked at where there is none.
-                .texture("level_variance", variance.unwrap_or(value));
+                .texture("level_variance", variance.unwrap_or(value))
+                .set("by_channel", by_channel)
+                .texture("level_channels", channels.unwrap_or(value));
+            if let Some(next) = next_channels {
+                let written;
+                (dispatch, written) = dispatch.write("next_channels", next);
+                channels = Some(written);
+            }
             if let Some([next_value, next_variance]) = between {
                 (dispatch, value) = dispatch.write("out_value", next_value);
                 let written;

@@ -8,19 +8,13 @@
 @group(0) @binding(0) var raw_variance: texture_2d<f32>;
 @group(0) @binding(1) var view_z: texture_2d<f32>;
 @group(0) @binding(2) var out_variance: texture_storage_2d<r32float, write>;
+@group(0) @binding(3) var out_channel_variance: texture_storage_2d<rgba32float, write>;
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    let size = vec2i(textureDimensions(view_z));
-    let p = vec2i(id.xy);
-    if any(p >= size) {
-        return;
-    }
+fn blurred(p: vec2i, size: vec2i) -> vec3f {
     if !is_guide(textureLoad(view_z, p, 0).x) {
-        textureStore(out_variance, p, vec4f(0.0));
-        return;
+        return vec3f(0.0);
     }
-    var sum = 0.0;
+    var sum = vec3f(0.0);
     var weight = 0.0;
     for (var i = 0; i < 9; i++) {
         let d = vec2i(i % 3, i / 3) - 1;
@@ -29,8 +23,26 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             continue;
         }
         let w = f32((2 - abs(d.x)) * (2 - abs(d.y)));
-        sum += w * textureLoad(raw_variance, q, 0).x;
+        sum += w * textureLoad(raw_variance, q, 0).rgb;
         weight += w;
     }
-    textureStore(out_variance, p, vec4f(sum / weight, 0.0, 0.0, 0.0));
+    return sum / weight;
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let size = vec2i(textureDimensions(view_z));
+    let p = vec2i(id.xy);
+    if all(p < size) {
+        textureStore(out_variance, p, vec4f(blurred(p, size).x, 0.0, 0.0, 0.0));
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn channels(@builtin(global_invocation_id) id: vec3u) {
+    let size = vec2i(textureDimensions(view_z));
+    let p = vec2i(id.xy);
+    if all(p < size) {
+        textureStore(out_channel_variance, p, vec4f(blurred(p, size), 0.0));
+    }
 }

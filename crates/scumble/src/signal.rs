@@ -162,6 +162,9 @@ signals! {
     DISPLACEMENT = "displacement", Rgba16Float, "world position in the previous frame minus now, metres";
     MOMENTS = "moments", Rg32Float, "`E[L]` and `E[L^2]` of the luminance of one named signal";
     VARIANCE = "variance", R32Float, "variance of the mean luminance";
+    CHANNEL_MEANS = "channel_means", Rgba32Float, "accumulated red, green and blue of one named signal";
+    CHANNEL_SQUARES = "channel_squares", Rgba32Float, "accumulated squares of red, green and blue of one named signal";
+    CHANNEL_VARIANCE = "channel_variance", Rgba32Float, "variances of red, green and blue";
     AGE = "age", R32Float, "number of samples accumulated";
     GUIDE_VARIANCE = "guide_variance", Rgba16Float, "variance within a pixel of normal, of view_z over its square, of the luminance of k_d; samples";
     WEIGHTS = "weights", R32Uint, "sums of the squared weights of the samples in a mean: of the value, of its moments, 2 x f16";

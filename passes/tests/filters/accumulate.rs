@@ -51,7 +51,18 @@ pub const DEFAULT: Rule = Rule {
 struct State {
     value: [f64; 4],
     moments: [f64; 2],
+    /// Mean of the channels, of their squares.
+    channels: [[f64; 4]; 2],
     age: f64,
+}
+
+impl State {
+    const NOTHING: State = State {
+        value: [0.0; 4],
+        moments: [0.0; 2],
+        channels: [[0.0; 4]; 2],
+        age: 0.0,
+    };
 }
 
 impl Frame {
@@ -257,15 +268,10 @@ impl Frame {
                     } else {
                         [0.0; 4]
                     },
-                    moments: [0.0; 2],
-                    age: 0.0,
+                    ..State::NOTHING
                 });
             }
-            let mut past = State {
-                value: [0.0; 4],
-                moments: [0.0; 2],
-                age: 0.0,
-            };
+            let mut past = State::NOTHING;
             let mut weight = 0.0;
             for (tap, w) in before.map_or(Some(vec![]), |_| self.footprint(q, rule))? {
                 let kept = before?[(tap[1] * self.value.size[0] + tap[0]) as usize];
@@ -273,6 +279,9 @@ impl Frame {
                 if kept.age > 0.0 && is_finite(c) && w != 0.0 {
                     (0..3).for_each(|i| past.value[i] += w * c[i]);
                     (0..2).for_each(|i| past.moments[i] += w * kept.moments[i]);
+                    (0..6).for_each(|i| {
+                        past.channels[i / 3][i % 3] += w * kept.channels[i / 3][i % 3]
+                    });
                     past.age += w * kept.age;
                     weight += w;
                 }
@@ -283,10 +292,10 @@ impl Frame {
             if weight > 0.01 {
                 past.value = past.value.map(|v| (v / weight).max(0.0));
                 past.moments = past.moments.map(|v| (v / weight).max(0.0));
+                past.channels = past.channels.map(|c| c.map(|v| (v / weight).max(0.0)));
                 past.age = (past.age / weight).max(0.0);
             } else {
-                past.age = 0.0;
-                (past.value, past.moments) = ([0.0; 4], [0.0; 2]);
+                past = State::NOTHING;
             }
             let n = if is_finite(x) { self.samples.x(q) } else { 0.0 };
             let m = self.moments.at(q);
@@ -316,6 +325,11 @@ impl Frame {
                     f64::from(u8::from(past.age + n > 0.0)),
                 ],
                 moments: [0, 1].map(|i| mix(rm, m[i], past.moments[i])),
+                channels: [0, 1].map(|k| {
+                    let new = |i: usize| if k == 0 { x[i] } else { x[i] * x[i] };
+                    let [r, g, b] = [0, 1, 2].map(|i| mix(rm, new(i), past.channels[k][i]));
+                    [r, g, b, 0.0]
+                }),
                 // What has no new sample does not age, and so needs no limit.
                 age: (past.age + n).min(if n > 0.0 { rule.max_age } else { f64::INFINITY }),
             })
@@ -323,22 +337,21 @@ impl Frame {
     }
 }
 
+const OUTPUTS: [&str; 5] = ["value", "moments", "age", CHANNELS[0], CHANNELS[1]];
+const CHANNELS: [&str; 2] = ["channel_means", "channel_squares"];
+
 fn agree(rule: Rule) {
     let mut random = Random(31);
     let with = format!(
         "blend: {BLEND}, moments_blend: {MOMENTS_BLEND}, depth_tolerance: {TOLERANCE}, min_cosine: {COSINE}, depth_test: {}, sampling: {}, search: {}, max_age: {:?}",
         if rule.plane { "Plane" } else { "Depth" },
-        if rule.spline {
-            "CatmullRom"
-        } else {
-            "Bilinear"
-        },
+        ["Bilinear", "CatmullRom"][usize::from(rule.spline)],
         rule.search,
         rule.max_age,
     );
     for size in SIZES {
         let frames = [0; 3].map(|_| Frame::random(&mut random, size));
-        let mut session = frames[0].start(rule, &with, &["value", "moments", "age"]);
+        let mut session = frames[0].start(rule, &with, &OUTPUTS);
         let mut before: Option<Vec<State>> = None;
         for frame in &frames {
             for (port, _, image) in frame.inputs(rule) {
@@ -346,23 +359,23 @@ fn agree(rule: Rule) {
             }
             session.render(&FrameInput::still(camera()));
             let twin = frame.twin(before.as_deref(), rule);
-            let [value, moments, age] = ["value", "moments", "age"].map(|port| session.read(port));
+            let [value, moments, age, means, squares] = OUTPUTS.map(|port| session.read(port));
             let want = |f: &dyn Fn(&State) -> [f64; 4]| -> Vec<Option<[f64; 4]>> {
                 twin.iter().map(|s| s.as_ref().map(f)).collect()
             };
             assert_close("value", &value, &want(&|s| s.value), Storage::F32);
             let m = want(&|s| [s.moments[0], s.moments[1], 0.0, 1.0]);
             assert_close("moments", &moments, &m, Storage::F32);
-            assert_close(
-                "age",
-                &age,
-                &want(&|s| [s.age, 0.0, 0.0, 1.0]),
-                Storage::F32,
-            );
+            let n = want(&|s| [s.age, 0.0, 0.0, 1.0]);
+            assert_close("age", &age, &n, Storage::F32);
+            for (i, got) in [&means, &squares].into_iter().enumerate() {
+                assert_close(CHANNELS[i], got, &want(&|s| s.channels[i]), Storage::F32);
+            }
             // The next frame goes on from what the pass has, so that an undecided texel does not spread.
             let has = (0..value.len()).map(|i| State {
                 value: value[i].map(f64::from),
                 moments: [0, 1].map(|c| f64::from(moments[i][c])),
+                channels: [means[i], squares[i]].map(|t| t.map(f64::from)),
                 age: f64::from(age[i][0]),
             });
             before = Some(has.collect());

@@ -20,6 +20,7 @@ struct Rule {
     feedback: f64,
     loose: bool,
     reflected: bool,
+    by_channel: bool,
 }
 
 const DEFAULT: Rule = Rule {
@@ -41,6 +42,7 @@ const DEFAULT: Rule = Rule {
     feedback: 0.0,
     loose: false,
     reflected: false,
+    by_channel: false,
 };
 const SIGMA: f64 = 4.0;
 const EPSILON: f64 = 0.1;
@@ -48,6 +50,7 @@ const EPSILON: f64 = 0.1;
 struct Case {
     value: Image,
     variance: Image,
+    channels: Image,
     age: Image,
     surface_id: Image,
     guides: Guides,
@@ -70,6 +73,10 @@ impl Case {
             variance: Image::new(size, |_| {
                 [f64::from(random.range(0.0, 4.0) as f32), 0.0, 0.0, 1.0]
             }),
+            channels: Image::new(size, |_| {
+                let [r, g, b] = [0; 3].map(|_| f64::from(random.range(0.0, 4.0) as f32));
+                [r, g, b, 0.0]
+            }),
             age: Image::new(size, |_| [(random.bits() % 8) as f64, 0.0, 0.0, 1.0]),
             surface_id: Image::new(size, |_| [(1 + random.bits() % 2) as f64, 0.0, 0.0, 1.0]),
             guides: random.guides(size),
@@ -90,27 +97,38 @@ impl Case {
         &self,
         value: &Image,
         variance: &Image,
+        channels: &Image,
         p: [u32; 2],
         level: u32,
         rule: &Rule,
-    ) -> ([f64; 4], f64) {
+    ) -> ([f64; 4], f64, [f64; 4]) {
         let c_p = value.at(p);
         if !self.guides.is_surface(p) {
-            return (if is_finite(c_p) { c_p } else { [0.0; 4] }, 0.0);
+            return (if is_finite(c_p) { c_p } else { [0.0; 4] }, 0.0, [0.0; 4]);
         }
         let own = self.carries(value, p);
-        let (l_p, age) = (luminance(c_p), self.age.x(p));
-        let mut v_p = variance.x(p);
+        let age = self.age.x(p);
+        // What is compared, and its variance: of each channel, or of luminance alone.
+        let lights = |c: [f64; 4]| match rule.by_channel {
+            true => [c[0], c[1], c[2]],
+            false => [luminance(c); 3],
+        };
+        let noise = |q| match rule.by_channel {
+            true => channels.at(q),
+            false => [variance.x(q); 4],
+        };
+        let l_p = lights(c_p);
+        let mut v_p = noise(p);
         if rule.blur {
-            let (mut sum, mut weight) = (0.0, 0.0);
+            let (mut sum, mut weight) = ([0.0; 4], 0.0);
             for q in value.window(p, 1).filter(|q| self.guides.is_surface(*q)) {
                 let w: f64 = (0..2)
                     .map(|i| if p[i] == q[i] { 2.0 } else { 1.0 })
                     .product();
-                sum += w * variance.x(q);
+                (0..4).for_each(|i| sum[i] += w * noise(q)[i]);
                 weight += w;
             }
-            v_p = sum / weight;
+            v_p = sum.map(|v| v / weight);
         }
         let kernel: &[f64] = if rule.five {
             &[1.0, 4.0, 6.0, 4.0, 1.0]
@@ -118,7 +136,7 @@ impl Case {
             &[1.0, 2.0, 1.0]
         };
         let radius = kernel.len() as i64 / 2;
-        let (mut sum, mut v_sum, mut weight) = ([0.0; 4], 0.0, 0.0);
+        let (mut sum, mut v_sum, mut c_sum, mut weight) = ([0.0; 4], 0.0, [0.0; 4], 0.0);
         for (y, x) in (-radius..=radius).flat_map(|y| (-radius..=radius).map(move |x| (y, x))) {
             let q = [
                 i64::from(p[0]) + (x << level),
@@ -155,39 +173,44 @@ impl Case {
                     w *= (1.0 - age / rule.fade).max(0.0);
                 }
                 if own && rule.luminance != "Off" {
-                    let v = if rule.minimum {
-                        v_p.min(variance.x(q))
-                    } else {
-                        v_p
-                    };
-                    let spread = if rule.luminance == "Variance" {
-                        v
-                    } else {
-                        v.sqrt()
-                    };
                     let epsilon = EPSILON / age.clamp(1.0, 4.0);
-                    w *= (-(l_p - luminance(value.at(q))).abs() / (SIGMA * spread + epsilon)).exp();
+                    let l_q = lights(value.at(q));
+                    let apart = |i: usize| {
+                        let v = match rule.minimum {
+                            true => v_p[i].min(noise(q)[i]),
+                            false => v_p[i],
+                        };
+                        let spread = match rule.luminance {
+                            "Variance" => v,
+                            _ => v.sqrt(),
+                        };
+                        (l_p[i] - l_q[i]).abs() / (SIGMA * spread + epsilon)
+                    };
+                    w *= (-apart(0).max(apart(1)).max(apart(2))).exp();
                 }
             }
             (0..4).for_each(|i| sum[i] += w * value.at(q)[i]);
             v_sum += w * w * variance.x(q);
+            (0..3).for_each(|i| c_sum[i] += w * w * channels.at(q)[i]);
             weight += w;
         }
         if weight < 1e-12 {
-            return ([0.0; 4], 0.0);
+            return ([0.0; 4], 0.0, [0.0; 4]);
         }
         (
             [sum[0] / weight, sum[1] / weight, sum[2] / weight, 1.0],
             v_sum / (weight * weight),
+            c_sum.map(|v| v / (weight * weight)),
         )
     }
 
     /// Value, first and variance after all levels.
     fn twin(&self, rule: &Rule) -> [Vec<Option<[f64; 4]>>; 3] {
         let (mut value, mut variance) = (self.value.clone(), self.variance.clone());
+        let mut channels = self.channels.clone();
         let mut first = Vec::new();
         for (i, level) in rule.levels.iter().enumerate() {
-            let next = value.map(|p| self.level(&value, &variance, p, *level, rule));
+            let next = value.map(|p| self.level(&value, &variance, &channels, p, *level, rule));
             if i == 0 {
                 first = value.map(|p| {
                     let (age, c) = (self.age.x(p), value.at(p));
@@ -202,8 +225,9 @@ impl Case {
                     })
                 });
             }
-            value.texels = next.iter().map(|(c, _)| *c).collect();
-            variance.texels = next.iter().map(|(_, v)| [*v, 0.0, 0.0, 1.0]).collect();
+            value.texels = next.iter().map(|(c, ..)| *c).collect();
+            variance.texels = next.iter().map(|(_, v, _)| [*v, 0.0, 0.0, 1.0]).collect();
+            channels.texels = next.iter().map(|(.., v)| *v).collect();
         }
         let some = |image: &Image| image.texels.iter().map(|t| Some(*t)).collect();
         [some(&value), first, some(&variance)]
@@ -235,6 +259,12 @@ impl Case {
             run = run.input(
                 "guide_variance",
                 Input::any(signal::GUIDE_VARIANCE, &self.guide_variance),
+            );
+        }
+        if rule.by_channel {
+            run = run.input(
+                "channel_variance",
+                Input::any(signal::CHANNEL_VARIANCE, &self.channels),
             );
         }
         if rule.reflected {
@@ -301,6 +331,17 @@ fn agrees_with_its_twin() {
         Rule {
             reflected: true,
             loose: true,
+            ..DEFAULT
+        },
+        Rule {
+            by_channel: true,
+            blur: true,
+            ..DEFAULT
+        },
+        Rule {
+            by_channel: true,
+            luminance: "Variance",
+            minimum: true,
             ..DEFAULT
         },
     ];
