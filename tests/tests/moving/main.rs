@@ -107,10 +107,10 @@ fn the_gradient_shortens_the_lag_and_leaves_a_still_picture_alone() {
         // What is noise for the estimate is followed at that rate, and gradient samples weigh a change by its part of the light:
         // both are behind for some frames, but not for half as many.
         assert!(with.0[i] <= 4 && samples.0[i] <= 4);
-        // What noise accuses wrongly is less than one history in a hundred (passes/tests/filters/temporal_gradient.rs): both errors
-        // were equal to three digits, and a twentieth more is allowed. Gradient samples repeat the numbers of one pixel in nine,
-        // which then counts half: 1 / (1 - 1/18) of the variance, and a twentieth more.
-        assert!(with.1[i] <= 1.05 * without.1[i]);
+        // Noise takes 8 % of the histories' weight (passes/tests/filters/temporal_gradient.rs). A blend of r has variance r / (2 - r): with
+        // r from 0.2 to 0.26 it grows by 1.35, the deviation by 1.16, were nothing filtered in space; it grew by 1.09. Gradient samples
+        // repeat the numbers of one pixel in nine, which then counts half: 1 / (1 - 1/18) of the variance, and a twentieth more.
+        assert!(with.1[i] <= 1.16 * without.1[i]);
         assert!(samples.1[i] <= 1.11 * without.1[i]);
     }
 }
