@@ -171,7 +171,7 @@ impl Frame {
     }
 }
 
-/// Motion, past depth and image of a texel; `None` where f32 may decide otherwise.
+/// Motion, past depth and image of a texel, and how far the depth may be off, relatively; or at which threshold f32 may decide otherwise.
 fn twin(
     f: &Frame,
     m: &Matrices,
@@ -179,7 +179,7 @@ fn twin(
     mirrors: bool,
     before: &Image,
     p: [u32; 2],
-) -> Option<[f64; 4]> {
+) -> Result<([f64; 4], f64), &'static str> {
     let guides = Guides {
         view_z: f.view_z.clone(),
         normal: f.normal.clone(),
@@ -189,7 +189,7 @@ fn twin(
     let x = at(p);
     let motion = DVec2::new(f.motion.at(p)[0], f.motion.at(p)[1]);
     let past_z = f.past_view_z.x(p);
-    let surface = Some([motion.x, motion.y, past_z, 0.0]);
+    let surface = Ok(([motion.x, motion.y, past_z, 0.0], 0.0));
     let [.., roughness] = f.material.at(p);
     let a = roughness * roughness;
     let c = (1.0 - a) * ((1.0 - a).sqrt() + a);
@@ -229,8 +229,9 @@ fn twin(
         known = true;
         t = f.reflected_hit_t.x(p).min(1e5);
         u = DVec3::from_slice(&f.reflected_displacement.at(p)[..3]);
-    } else if (weight - enough).abs() < 1e-4 {
-        return None;
+    } else if (weight - enough).abs() < 1e-5 * (1.0 + weight) {
+        // Sums of up to 49 numbers below 1.
+        return Err("evidence");
     }
     if !known {
         return surface;
@@ -244,10 +245,16 @@ fn twin(
     let past_image = image + moved + k * mirrored(u - moved);
     let to = project(m.previous_clip, past_image);
     // The previous eye's ray through the image meets the plane through x' where (e + s (y' - e) - x') . n = 0.
-    let s = n.dot(x + moved - m.previous_eye) / n.dot(past_image - m.previous_eye);
-    let grazing = n.dot((past_image - m.previous_eye).normalize()).abs();
-    if grazing < 0.02 || (s - 1.001).abs() < 5e-4 || to.1.abs() < 0.1 {
-        return None;
+    let heights = [x + moved, past_image].map(|y| n.dot(y - m.previous_eye));
+    let s = heights[0] / heights[1];
+    // The eye comes out of a matrix of numbers up to 100 (1 / near), so that heights over the mirror are good to some 1e-5.
+    let undecided = |height: f64| height.abs() < 1e-4;
+    if heights.into_iter().any(undecided) || undecided(heights[0].abs() - 1.001 * heights[1].abs())
+    {
+        return Err("before or behind the mirror");
+    }
+    if to.1.abs() < 0.02 {
+        return Err("beside the eye");
     }
     if to.1 <= 0.0 || s <= 0.0 || s > 1.001 {
         return surface;
@@ -261,7 +268,7 @@ fn twin(
     let place = DVec2::new(p[0].into(), p[1].into()) - bounded * size;
     // One that was clamped is outside of the image.
     if bounded == towards && (place - place.round()).abs().min_element() < 1e-3 {
-        return None;
+        return Err("texel");
     }
     let mut seen = false;
     for i in 0..4 {
@@ -270,18 +277,19 @@ fn twin(
             let z = before.x([q.x as u32, q.y as u32]);
             let off = (past_flat / z - 1.0).abs();
             if z > 0.0 && (off - tolerance).abs() < 1e-3 {
-                return None;
+                return Err("distance of the image");
             }
             seen |= z <= 0.0 || off <= tolerance;
         }
     }
     let z = 1.0 / ((1.0 - c) / past_z + c / (s * to.1));
-    Some([
+    let found = [
         bounded.x,
         bounded.y,
         if seen { z } else { -1.0 },
         flat(m.clip, x + t * v),
-    ])
+    ];
+    Ok((found, 1e-4 / heights[0].abs()))
 }
 
 #[test]
@@ -316,23 +324,33 @@ fn agrees_with_its_twin() {
                 let want = frame
                     .view_z
                     .map(|p| twin(frame, &m, radius, mirrors, &before, p));
-                let mut undecided = 0;
+                let mut undecided = Vec::new();
                 for (i, want) in want.iter().enumerate() {
-                    let Some(want) = want else {
-                        undecided += 1;
-                        continue;
+                    let (want, off) = match want {
+                        Ok(found) => found,
+                        Err(threshold) => {
+                            undecided.push(*threshold);
+                            continue;
+                        }
                     };
                     let got = [motion[i][0], motion[i][1], z[i][0], image[i][0]].map(f64::from);
                     // Image positions are differences of f32 numbers near 1 from matrices of numbers up to 100 (1 / near):
-                    // some 100 half ulps. Depths are quotients of such, at angles of more than 0.02.
-                    let close = (0..2).all(|c| (got[c] - want[c]).abs() < 1e-4)
-                        && (2..4).all(|c| (got[c] - want[c]).abs() < 2e-3 * want[c].abs() + 1e-6);
+                    // some 100 half ulps. Depths are quotients of such.
+                    let allowed = [
+                        1e-4,
+                        1e-4,
+                        (2e-3 + off) * want[2].abs(),
+                        2e-3 * want[3].abs(),
+                    ];
+                    let close = (0..4).all(|c| (got[c] - want[c]).abs() < allowed[c] + 1e-6);
                     assert!(close, "{size:?} {i}: {got:?} instead of {want:?}");
                 }
-                // One texel in five may sit on a threshold: one of the surfaces is seen nearly edge on.
+                // Each threshold is a thousandth of what it is a threshold of, or less; several images of 35 texels and fewer are
+                // tried, so a few of them at once must be allowed there.
                 assert!(
-                    5 * undecided <= want.len() + 5,
-                    "{undecided} of {}",
+                    20 * undecided.len() <= want.len() + 40,
+                    "{} of {}: {undecided:?}",
+                    undecided.len(),
                     want.len()
                 );
                 before.texels = image.iter().map(|t| t.map(f64::from)).collect();
