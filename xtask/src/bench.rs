@@ -40,6 +40,9 @@ const BENCHES: [Bench; 3] = [
 /// The benchmark, and the package, of the frame graph alone.
 const GRAPH: &str = "framegraph";
 
+/// The benchmark of the error metrics.
+const METRICS: &str = "metrics";
+
 /// Frames rendered, and how many at the start are left out: they compile the shaders and make the
 /// resources.
 const FRAMES: usize = 7;
@@ -48,17 +51,33 @@ const WARM_UP: usize = 2;
 /// Runs the benchmark of that name, or all, with optimised code.
 pub fn run(name: Option<&str>) -> Done {
     let graph = name.is_none_or(|n| n == GRAPH);
+    let metrics = name.is_none_or(|n| n == METRICS);
     let chosen: Vec<_> = BENCHES
         .iter()
         .filter(|b| name.is_none_or(|n| n == b.name))
         .collect();
-    if chosen.is_empty() && !graph {
-        let known: Vec<_> = BENCHES.iter().map(|b| b.name).chain([GRAPH]).collect();
+    if chosen.is_empty() && !graph && !metrics {
+        let known = BENCHES.iter().map(|b| b.name);
+        let known: Vec<_> = known.chain([GRAPH, METRICS]).collect();
         let name = name.unwrap_or_default();
         return Err(failure(format!(
             "no benchmark '{name}'; there are {}",
             known.join(", ")
         )));
+    }
+    if metrics {
+        println!("\n{METRICS}: wall time of each error metric at 1920x1080, two threads");
+        let args = [
+            "run",
+            "--quiet",
+            "--release",
+            "--package",
+            "scumble-metrics",
+        ];
+        command::run(cargo(&[&args[..], &["--example", "time"]].concat()))?;
+    }
+    if chosen.is_empty() && !graph {
+        return Ok(());
     }
     setup::run()?;
     if graph {

@@ -4,7 +4,7 @@ use crate::command::{Done, cargo, failure, output, root, run, scumble, typed};
 use crate::setup;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 type Step = (&'static str, fn() -> Done);
@@ -46,6 +46,23 @@ fn documentation() -> Done {
     run(doc)
 }
 
+/// Programs of others that tests need: which tests, the variable that names the program, its usual name, and
+/// how it shows that it is there.
+const OTHERS: [(&str, &str, &str, &[&str]); 2] = [
+    (
+        "the tests of metrics against scikit-image and flip-evaluator",
+        "SCUMBLE_PYTHON",
+        "python3",
+        &["-c", "import skimage, flip_evaluator"],
+    ),
+    (
+        "the test on images of Mitsuba 3",
+        "SCUMBLE_PYTHON",
+        "python3",
+        &["-c", "import mitsuba"],
+    ),
+];
+
 /// Every test of the workspace, and one line at the end that counts them.
 pub fn test(full: bool) -> Done {
     setup::run()?;
@@ -81,15 +98,15 @@ pub fn test(full: bool) -> Done {
             shared.display()
         );
     }
-    let python = std::env::var("SCUMBLE_PYTHON").unwrap_or("python3".into());
-    let asked = std::process::Command::new(&python)
-        .args(["-c", "import mitsuba"])
-        .output();
-    if !asked.is_ok_and(|output| output.status.success()) {
-        println!(
-            "\nSKIPPED: the test on images of Mitsuba 3, since {python} has no `mitsuba` (pip install mitsuba; SCUMBLE_PYTHON names \
-             the Python that has it)"
-        );
+    for (tests, variable, default, args) in OTHERS {
+        let program = std::env::var(variable).unwrap_or_else(|_| default.to_owned());
+        let there = Command::new(&program).args(args).output();
+        if !there.is_ok_and(|run| run.status.success()) {
+            println!(
+                "\nSKIPPED: {tests}, since `{program} {}` fails ({variable} names another program)",
+                args.join(" ")
+            );
+        }
     }
     println!(
         "\n{} tests passed, {} failed, {} ignored, in {:.0} s",
