@@ -1,20 +1,19 @@
 //! `scumble ablate`: an experiment from its file to its results.
 
+mod progress;
+
 use crate::args::{AblateArgs, AblateVerb, MergeArgs};
 use crate::failure::Failure;
-use crate::{Verdict, folder, report};
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::{Verdict, folder, levers, report};
+use progress::Progress;
 use scumble::{Diagnostics, Pipeline, Registry};
 use scumble_lab::{
-    Event, Experiment, Gpu, Index, LabError, Plan, Results, Runner, device, measure_speed, merge,
+    Baseline, Event, Experiment, Gpu, Index, LabError, Plan, Results, Runner, device,
+    measure_speed, merge,
 };
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
-
-/// Steps of the progress bar per path and pixel.
-const STEPS: f64 = 100.0;
 
 pub fn run(args: &AblateArgs) -> Result<Verdict, Failure> {
     match &args.verb {
@@ -22,6 +21,7 @@ pub fn run(args: &AblateArgs) -> Result<Verdict, Failure> {
         Some(AblateVerb::Report(args)) => return report_again(&args.results),
         None => {}
     }
+    let levers = levers::read()?;
     let path = args.experiment.as_deref().unwrap_or(Path::new(""));
     let experiment = Experiment::read(path, args.quick).map_err(LabError::from)?;
     let folder = args.output.clone().unwrap_or_else(|| {
@@ -30,6 +30,10 @@ pub fn run(args: &AblateArgs) -> Result<Verdict, Failure> {
     });
     let registry = scumble_passes::registry();
     let plan = Plan::new(experiment, &registry);
+    let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
+    if let Some(baseline) = &baseline {
+        baseline.check(&plan.design, &args.fail_above)?;
+    }
     if args.dry_run {
         return dry_run(args, &plan, &registry);
     }
@@ -38,29 +42,33 @@ pub fn run(args: &AblateArgs) -> Result<Verdict, Failure> {
     if !args.quiet && !args.json {
         report::line(plan.text(None).trim_end());
     }
-    let bar = progress(args, &plan);
+    let pixels = f64::from(plan.design.size[0]) * f64::from(plan.design.size[1]);
+    let paths = plan.paths().iter().sum::<f64>() / pixels / f64::from(args.shard.count);
+    let mut progress = Progress::new(paths, args.quiet);
     let mut found = BTreeSet::new();
     let mut listener = |event: Event<'_>| match event {
         Event::Found(key) => {
             found.insert(key.to_owned());
         }
-        Event::Doing(what) => bar.set_message(what.to_owned()),
-        Event::Done(paths) => bar.inc((paths * STEPS) as u64),
-        Event::Note(note) => bar.suspend(|| report::note(note)),
-        Event::Failed(failure) => bar.suspend(|| report::error(failure)),
+        Event::Doing(what) => progress.doing(what),
+        Event::Done(paths) => progress.done(paths),
+        // They are in the results, too.
+        Event::Note(_) if args.quiet => {}
+        Event::Note(note) => progress.beside(|| report::note(note)),
+        Event::Failed(failure) => progress.beside(|| report::error(failure)),
     };
     let runner = Runner::new(&gpu, &registry, &plan, &folder, args.shard, &mut listener)?;
-    let (index, spent) = runner.run()?;
-    bar.finish_and_clear();
-    let failed = !index.failures.is_empty();
+    let (index, spent) = runner.with_levers(levers).run()?;
+    progress.finish();
     let results = Results::new(index, &folder);
-    let mut files = results.write(&folder)?;
-    files.push(results.write_report(&folder, Some(&found))?);
+    let files = write(&results, &folder, Some(&found));
+    let written = files.as_deref().unwrap_or_default();
     if args.json {
         report::json(&json!({
-            "files": files,
+            "files": written,
             "runs": results.runs.len(),
             "failures": results.failures,
+            "notes": results.notes,
             "seconds": spent.whole,
             "rendering_seconds": spent.rendering,
         }));
@@ -72,14 +80,43 @@ pub fn run(args: &AblateArgs) -> Result<Verdict, Failure> {
             spent.whole,
             100.0 * spent.rendering / spent.whole.max(1e-9)
         ));
-        files.iter().for_each(|file| report::line(file.display()));
+        written.iter().for_each(|file| report::line(file.display()));
     }
-    Ok(verdict(failed, &results))
+    let worse = baseline.map(|baseline| compare(args, &baseline, &results));
+    let complete = verdict(&results);
+    if let Err(error) = files {
+        report::error(error);
+        return Ok(Verdict::Incomplete);
+    }
+    match (complete, worse) {
+        (Verdict::Fine, Some(worse)) => worse,
+        (complete, _) => Ok(complete),
+    }
+}
+
+/// Tells what is worse than the baseline by more than is allowed.
+fn compare(args: &AblateArgs, baseline: &Baseline, results: &Results) -> Result<Verdict, Failure> {
+    let rises = baseline.rises(results, &args.fail_above)?;
+    let worse: Vec<_> = rises.iter().filter(|rise| rise.fails()).collect();
+    for rise in &worse {
+        report::error(rise);
+    }
+    if !args.quiet && !args.json {
+        report::line(format_args!(
+            "{} values compared with the baseline, {} worse by more than is allowed",
+            rises.len(),
+            worse.len()
+        ));
+    }
+    Ok(match worse.is_empty() {
+        true => Verdict::Fine,
+        false => Verdict::Exceeded,
+    })
 }
 
 /// Says at the end what gave nothing: while the experiment ran it may have scrolled away.
-fn verdict(failed: bool, results: &Results) -> Verdict {
-    if !failed {
+fn verdict(results: &Results) -> Verdict {
+    if results.failures.is_empty() {
         return Verdict::Fine;
     }
     report::error(format_args!(
@@ -128,41 +165,32 @@ fn dry_run(args: &AblateArgs, plan: &Plan, registry: &Registry) -> Result<Verdic
     mistakes.or(Verdict::Fine).map_err(Failure::Graph)
 }
 
-fn progress(args: &AblateArgs, plan: &Plan) -> ProgressBar {
-    if args.quiet {
-        return ProgressBar::hidden();
-    }
-    let pixels = f64::from(plan.design.size[0]) * f64::from(plan.design.size[1]);
-    let paths = plan.paths().iter().sum::<f64>() / pixels / f64::from(args.shard.count);
-    let bar = ProgressBar::new((paths * STEPS) as u64);
-    // The template is a constant; were it wrong, the default would do.
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {percent} % {wide_bar} {eta} {msg}")
-    {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(100));
-    bar
-}
-
 fn put_together(args: &MergeArgs) -> Result<Verdict, Failure> {
     folder::prepare(&args.output)?;
     let index: Index = merge(&args.parts, &args.output)?;
-    let failed = !index.failures.is_empty();
     let results = Results::new(index, &args.output);
-    let mut files = results.write(&args.output)?;
-    files.push(results.write_report(&args.output, None)?);
+    let files = write(&results, &args.output, None)?;
     report::line(results.text().trim_end());
     files.iter().for_each(|file| report::line(file.display()));
-    Ok(verdict(failed, &results))
+    Ok(verdict(&results))
+}
+
+/// Writes what was found in every form. `found` are the records that were there before.
+fn write(
+    results: &Results,
+    folder: &Path,
+    found: Option<&BTreeSet<String>>,
+) -> Result<Vec<PathBuf>, LabError> {
+    let mut files = results.write(folder)?;
+    files.push(results.write_report(folder, found)?);
+    Ok(files)
 }
 
 /// Writes the results of a folder from its records once more.
 fn report_again(folder: &Path) -> Result<Verdict, Failure> {
     let index = Index::read(folder)?;
-    let failed = !index.failures.is_empty();
     let results = Results::new(index, folder);
-    let mut files = results.write(folder)?;
-    files.push(results.write_report(folder, None)?);
+    let files = write(&results, folder, None)?;
     files.iter().for_each(|file| report::line(file.display()));
-    Ok(verdict(failed, &results))
+    Ok(verdict(&results))
 }

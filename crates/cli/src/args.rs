@@ -4,7 +4,7 @@ use crate::camera::CameraChoice;
 use crate::levers;
 use crate::scene::SkyChoice;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use scumble_lab::Shard;
+use scumble_lab::{Allowance, Shard};
 use scumble_metrics::Metric;
 use std::path::PathBuf;
 
@@ -40,6 +40,7 @@ pub enum Verb {
     /// Measure how far an image, or each of numbered frames, is from a reference
     Compare(CompareArgs),
     /// Run an experiment: pipelines compared at equal cost, with references, seeds and intervals
+    #[command(after_help = levers::HELP)]
     Ablate(AblateArgs),
 }
 
@@ -416,6 +417,20 @@ pub struct AblateArgs {
     /// Run one of N parts; put together by `ablate merge`
     #[arg(long, value_name = "I/N", default_value = "1/1", value_parser = parse_shard)]
     pub shard: Shard,
+    /// Compare with the results.json of an earlier run, and exit with 1 where something is worse than --fail-above
+    /// allows
+    #[arg(long, value_name = "FILE", requires = "fail_above")]
+    pub baseline: Option<PathBuf>,
+    /// How much worse than the baseline a metric may be, of its value or by itself, such as relmse=5% or flip=0.002; also
+    /// rays_per_pixel, frame_ms, gpu_ms and memory. More than that fails where the 95 % interval says that it
+    /// is no chance. May be given several times, or separated by commas
+    #[arg(
+        long,
+        value_name = "METRIC=LIMIT",
+        requires = "baseline",
+        value_delimiter = ','
+    )]
+    pub fail_above: Vec<Allowance>,
     #[command(flatten)]
     pub adapter: AdapterArgs,
     /// Say nothing but errors

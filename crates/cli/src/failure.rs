@@ -18,6 +18,8 @@ pub enum Failure {
     Capture(framegraph::Capture),
 
     #[error(transparent)]
+    Baseline(#[from] scumble_lab::BaselineError),
+    #[error(transparent)]
     Lab(#[from] scumble_lab::LabError),
     #[error("{0}")]
     Graph(scumble::Diagnostics),

@@ -1,6 +1,6 @@
 //! The scumble program: renders, checks and compares. Every verb is a call into the libraries.
 //!
-//! Exit code 0 when all went well, 1 when `compare` found more than was allowed, 2 with a message on the
+//! Exit code 0 when all went well, 1 when `compare` or `ablate` found more than was allowed, 2 with a message on the
 //! standard error otherwise.
 #![forbid(unsafe_code)]
 
@@ -29,7 +29,7 @@ use std::process::ExitCode;
 /// What a verb that did its work has to say through the exit code.
 enum Verdict {
     Fine,
-    /// `compare` found more than its threshold allows.
+    /// `compare` or `ablate` found more than its threshold allows.
     Exceeded,
     /// Parts of an experiment gave nothing.
     Incomplete,

@@ -18,6 +18,11 @@ pub fn note(text: impl Display) {
     let _ = writeln!(std::io::stderr(), "note: {text}");
 }
 
+/// How far the work is.
+pub fn progress(text: impl Display) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
 /// Why nothing was done.
 pub fn error(text: impl Display) {
     let _ = writeln!(std::io::stderr(), "error: {text}");

@@ -7,7 +7,7 @@ use crate::budget::{is_count, mark};
 use crate::device::Gpu;
 use crate::error::LabError;
 use crate::key::Key;
-use crate::record::write_json;
+use crate::record::{read_json, write_json};
 use crate::stage::{Pose, Stage};
 use scumble::{Pipeline, ReportValue, Resolved, Value};
 use std::collections::BTreeMap;
@@ -42,8 +42,7 @@ pub(crate) fn counted(
         key.camera(&pose.camera).value(&pose.time);
     }
     let path = folder.join(format!("{}.json", key.name()));
-    let kept = std::fs::read_to_string(&path).ok();
-    if let Some(kept) = kept.and_then(|text| serde_json::from_str(&text).ok()) {
+    if let Some(kept) = read_json(&path) {
         return Ok(kept);
     }
     let mut last = Rays::new();
@@ -51,7 +50,8 @@ pub(crate) fn counted(
         last = rays(pipeline)?;
         Ok(())
     })?;
-    write_json(&path, &last)?;
+    // Where it cannot be kept it is counted again.
+    let _ = write_json(&path, &last);
     Ok(last)
 }
 

@@ -97,6 +97,19 @@ pub fn spend(graph: &mut Resolved, paths: f64) -> Vec<Spending> {
     spending(graph)
 }
 
+/// What [`spend`] sets, as `pass.parameter` and value.
+pub(crate) fn spent_params(graph: &Resolved, paths: f64) -> Vec<(String, Value)> {
+    let mut graph = graph.clone();
+    spend(&mut graph, paths);
+    let of = |param: String| {
+        let (pass, name) = param.rsplit_once('.')?;
+        let (_, pass) = graph.pass(pass)?;
+        let value = pass.params.get(name)?;
+        Some((param, value))
+    };
+    budget_params(&graph).into_iter().filter_map(of).collect()
+}
+
 /// Sets a parameter as near to a value as its range allows.
 fn set(pass: &mut ResolvedPass, name: &str, value: Value) {
     let range = pass.params.def(name).and_then(|def| def.range);

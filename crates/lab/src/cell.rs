@@ -8,7 +8,7 @@ use crate::key::Key;
 use crate::measure::{Exposed, Guide, exposure};
 use crate::stage::{Pose, Stage, output};
 use scumble::{Edits, Pipeline, Registry, Resolved, resolve, resolve_text};
-use scumble_metrics::{Image, read, write_exr};
+use scumble_metrics::{Image, MetricsError, read, write_exr};
 use std::path::{Path, PathBuf};
 
 /// What is rendered where the experiment names no graph.
@@ -154,10 +154,17 @@ pub(crate) struct Cell {
     pub guides: Vec<Option<Guide>>,
 }
 
+/// A cell that was made, what its references were made from, and why some of those could not be kept.
+pub(crate) struct Made {
+    pub cell: Cell,
+    pub radiance: Vec<Image>,
+    pub unkept: Vec<MetricsError>,
+}
+
 impl Cell {
     /// Takes references from the folder, and renders and keeps those that are not there. `rendered` hears of the
-    /// paths per pixel of each.
-    pub fn new(
+    /// paths per pixel of each. What could not be kept is still used, and told.
+    pub fn make(
         gpu: &Gpu,
         stage: &mut Stage,
         reference: &ReferenceGraph,
@@ -165,7 +172,8 @@ impl Cell {
         wanted: &[Wanted],
         folder: &Path,
         mut rendered: impl FnMut(f64),
-    ) -> Result<Cell, LabError> {
+    ) -> Result<Made, LabError> {
+        let mut unkept = Vec::new();
         let mut images: Vec<(u32, Image)> = Vec::new();
         for want in wanted {
             let path = folder.join(format!("{}.exr", want.key));
@@ -181,7 +189,7 @@ impl Cell {
                     };
                     // Values that are not finite are found now, and not in each run.
                     image.mean()?;
-                    write_exr(&path, &image)?;
+                    unkept.extend(write_exr(&path, &image).err());
                     image
                 }
             };
@@ -197,10 +205,15 @@ impl Cell {
             .iter()
             .map(|(frame, image)| (*frame, Exposed::new(image, exposure)))
             .collect();
-        Ok(Cell {
+        let cell = Cell {
             exposure,
             references,
             guides: Vec::new(),
+        };
+        Ok(Made {
+            cell,
+            radiance: images.into_iter().map(|(_, image)| image).collect(),
+            unkept,
         })
     }
 

@@ -3,7 +3,9 @@
 #![warn(missing_docs)]
 
 mod balance;
+mod baseline;
 mod budget;
+mod calibrate;
 mod cell;
 pub mod device;
 mod error;
@@ -23,6 +25,7 @@ mod stage;
 mod statistics;
 mod student;
 
+pub use baseline::{Allowance, Baseline, BaselineError, Rise};
 pub use budget::{Spending, budget_params, spend, spending};
 pub use device::{DeviceError, Gpu};
 pub use error::LabError;
@@ -35,8 +38,8 @@ pub use measure::{Exposed, Flickering, Guide, exposure};
 pub use plan::{CameraDesign, Design, Factorial, Plan, Sweep, SweepPoint, Variant, VariantDesign};
 pub use record::{FrameRecord, Record};
 pub use render::{FrameError, read_image, render_frame};
-pub use results::{EffectsOf, Failure, Index, MetricSummary, Results, Summary, merge};
-pub use runner::{Event, Runner, Shard, Spent, measure_speed};
+pub use results::{EffectsOf, Failure, Index, MetricSummary, Results, Spent, Summary, merge};
+pub use runner::{Event, Runner, Shard, measure_speed};
 pub use scene::load_scene;
 pub use statistics::{Effect, Estimate, LEVEL, effects, quantile};
 pub use student::student_t;

@@ -1,12 +1,13 @@
 //! Results as files and as a table.
 
+use crate::baseline::Rise;
 use crate::error::LabError;
 use crate::experiment::Measure;
 use crate::plan::Plan;
 use crate::record::write_json;
 use crate::results::{Results, Summary};
 use scumble_metrics::write_atomic;
-use std::fmt::Write;
+use std::fmt::{self, Display, Formatter, Write};
 use std::path::{Path, PathBuf};
 
 impl Results {
@@ -16,8 +17,10 @@ impl Results {
     /// They cannot be written.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, LabError> {
         let paths = ["results.json", "results.csv"].map(|name| folder.join(name));
-        write_json(&paths[0], self)?;
+        let json = write_json(&paths[0], self);
+        // On a disk that is nearly full there may be room for the one and not the other.
         write_atomic(&paths[1], self.csv().as_bytes())?;
+        json?;
         Ok(paths.into())
     }
 
@@ -25,7 +28,7 @@ impl Results {
     pub fn csv(&self) -> String {
         let mut text = String::from(
             "scene,camera,variant,metric,seeds,mean,half_width_95,difference_to_base,\
-             difference_half_width_95,rays_per_pixel,frame_ms_median,memory_bytes\n",
+             difference_half_width_95,rays_per_pixel,frame_ms_median,gpu_ms_median,memory_bytes\n",
         );
         for s in &self.summaries {
             for (metric, m) in &s.metrics {
@@ -43,6 +46,7 @@ impl Results {
                     number(base.and_then(|d| d.half)),
                     s.rays_per_pixel.to_string(),
                     number(s.frame_ms.map(|ms| ms[1])),
+                    number(s.gpu_ms.map(|ms| ms[1])),
                     s.memory.to_string(),
                 ];
                 text += &cells.join(",");
@@ -185,11 +189,30 @@ fn table(cell: &[&Summary], metrics: &[String], base: &str) -> String {
     rows.iter().map(line).collect()
 }
 
+impl Display for Rise {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let half = self.rise.half.map(|half| format!(" ± {}", short(half)));
+        write!(
+            f,
+            "{}, {}, {}: {} {} was {}: worse by {}{}, and {} is allowed",
+            self.scene,
+            self.camera,
+            self.variant,
+            self.metric,
+            short(self.now),
+            short(self.before),
+            short(self.rise.mean),
+            half.unwrap_or_default(),
+            short(self.allowed)
+        )
+    }
+}
+
 /// A number of three digits with its sign.
 struct Signed(f64);
 
-impl std::fmt::Display for Signed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl Display for Signed {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let sign = if self.0 >= 0.0 { "+" } else { "" };
         write!(f, "{sign}{}", short(self.0))
     }

@@ -68,6 +68,9 @@ pub struct Design {
     pub size: [u32; 2],
     /// Paths per pixel and frame that every tracer is to spend, if that is set.
     pub equal_rays: Option<f64>,
+    /// Milliseconds that a frame is to take, if that is set.
+    #[serde(default)]
+    pub equal_time: Option<f64>,
     /// Paths per pixel of a reference.
     pub reference_samples: u32,
 }
@@ -282,10 +285,10 @@ impl Planner<'_> {
 
     /// Gives a graph its budget, and says where that is not what was asked for.
     fn spend(&mut self, name: &str, graph: &mut Resolved, edits: &Edits) -> Vec<Spending> {
-        let Budget::EqualRays(paths) = self.experiment.budget else {
-            return spending(graph);
-        };
         let taken = budget_params(graph);
+        if self.experiment.budget == Budget::None {
+            return spending(graph);
+        }
         for (param, _) in &edits.written_set {
             if taken.contains(&param.value) {
                 self.notes.push(format!(
@@ -294,6 +297,14 @@ impl Planner<'_> {
                 ));
             }
         }
+        let Budget::EqualRays(paths) = self.experiment.budget else {
+            if taken.is_empty() {
+                self.notes.push(format!(
+                    "{name}: no parameter of it is a budget: it takes the time that it takes"
+                ));
+            }
+            return spending(graph);
+        };
         let spent = spend(graph, paths);
         for s in &spent {
             // A count of few samples is rounded; 2 % is more than a grid of 5 x 5 loses by that.
@@ -416,7 +427,11 @@ fn design(
         size: experiment.size,
         equal_rays: match experiment.budget {
             Budget::EqualRays(paths) => Some(paths),
-            Budget::None => None,
+            _ => None,
+        },
+        equal_time: match experiment.budget {
+            Budget::EqualTime(milliseconds) => Some(milliseconds),
+            _ => None,
         },
         reference_samples: experiment.reference.samples,
     }

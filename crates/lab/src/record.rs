@@ -2,9 +2,13 @@
 
 use crate::error::LabError;
 use scumble_metrics::write_atomic;
-use serde::{Deserialize, Serialize};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// Frames at the beginning of a run whose times are not counted: drivers compile in them. The last frame always counts.
+pub(crate) const WARM_UP: usize = 2;
 
 /// One run: a scene, a camera path, a variant and a seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,8 +29,12 @@ pub struct Record {
     pub driver: String,
     /// Radiance was multiplied by this before it was measured: 0.18 / geometric mean of the references.
     pub exposure: f64,
-    /// The counts that equal rays asked of its tracers, as `pass.parameter`; empty where the plan's were right.
+    /// The counts that equal rays or equal time asked of its tracers, as `pass.parameter`; empty where the plan's
+    /// were right.
     pub counts: BTreeMap<String, i64>,
+    /// The rates of sample masks that equal time asked for, as `pass.parameter`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub rates: BTreeMap<String, f64>,
     /// Rays of each frame, as the tracers counted them.
     pub rays: Vec<f64>,
     /// Seconds from recording each frame to its end.
@@ -49,7 +57,8 @@ pub struct FrameRecord {
     /// The name of all that its reference depends on.
     #[serde(default)]
     pub reference: String,
-    /// Every metric by name.
+    /// Every metric by name. The PSNR of equal images is infinite, and `null` in JSON.
+    #[serde(deserialize_with = "with_infinity")]
     pub metrics: BTreeMap<String, f64>,
 }
 
@@ -78,9 +87,21 @@ impl Record {
 
     /// Reads it; `None` where there is no such file, or what is there is no record.
     pub fn read(path: &Path) -> Option<Record> {
-        let text = std::fs::read_to_string(path).ok()?;
-        serde_json::from_str(&text).ok()
+        read_json(path)
     }
+}
+
+fn with_infinity<'de, D: Deserializer<'de>>(from: D) -> Result<BTreeMap<String, f64>, D::Error> {
+    let values = BTreeMap::<String, Option<f64>>::deserialize(from)?.into_iter();
+    Ok(values
+        .map(|(name, value)| (name, value.unwrap_or(f64::INFINITY)))
+        .collect())
+}
+
+/// Reads a value from JSON; `None` where there is no such file, or what is there is not such a value.
+pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Option<T> {
+    let text = std::fs::read_to_string(path).ok()?;
+    serde_json::from_str(&text).ok()
 }
 
 /// Writes a value as JSON, whole or not at all.
@@ -113,6 +134,7 @@ mod tests {
             driver: "d".into(),
             exposure: 0.1 + 0.2,
             counts: [("a.samples".to_owned(), 3)].into(),
+            rates: BTreeMap::new(),
             rays: vec![1.0],
             seconds: vec![0.5],
             passes: BTreeMap::new(),
@@ -131,6 +153,11 @@ mod tests {
         assert_eq!(Record::read(&path), Some(record()));
         std::fs::write(&path, "{\"key\": ").unwrap();
         assert_eq!(Record::read(&path), None, "half a file is none");
+        let mut equal = record();
+        let psnr = ("psnr".to_owned(), f64::INFINITY);
+        equal.frames[0].metrics.extend([psnr]);
+        equal.write(&path).unwrap();
+        assert_eq!(Record::read(&path), Some(equal));
     }
 
     #[test]

@@ -3,15 +3,13 @@
 use crate::error::LabError;
 use crate::images::Images;
 use crate::plan::Design;
-use crate::record::{Record, write_json};
+use crate::record::{Record, WARM_UP, write_json};
 use crate::statistics::{Effect, Estimate, effects, quantile};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Display;
+use std::ops::Add;
 use std::path::{Path, PathBuf};
-
-/// Frames at the beginning of a run whose times are not counted: drivers compile in them.
-const WARM_UP: usize = 2;
 
 /// A run that gave nothing, or several: what is not named is all.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -78,6 +76,35 @@ pub struct Index {
     pub keys: Vec<String>,
     /// What gave none.
     pub failures: Vec<Failure>,
+    /// What is no failure, and worth knowing.
+    #[serde(default)]
+    pub notes: Vec<String>,
+    /// How long it took until now, interrupted or not.
+    #[serde(default)]
+    pub spent: Spent,
+    /// Records that could not be written: they are in memory alone.
+    #[serde(skip)]
+    pub unwritten: Vec<Record>,
+}
+
+/// How the time of an experiment was spent, in seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Spent {
+    /// Rendering: frames and references.
+    pub rendering: f64,
+    /// All of it.
+    pub whole: f64,
+}
+
+impl Add for Spent {
+    type Output = Spent;
+
+    fn add(self, other: Spent) -> Spent {
+        Spent {
+            rendering: self.rendering + other.rendering,
+            whole: self.whole + other.whole,
+        }
+    }
 }
 
 impl Index {
@@ -86,6 +113,9 @@ impl Index {
             design,
             keys: Vec::new(),
             failures: Vec::new(),
+            notes: Vec::new(),
+            spent: Spent::default(),
+            unwritten: Vec::new(),
         }
     }
 
@@ -150,6 +180,12 @@ pub fn merge(parts: &[PathBuf], folder: &Path) -> Result<Index, LabError> {
                 whole.failures.push(failure);
             }
         }
+        for note in index.notes {
+            if !whole.notes.contains(&note) {
+                whole.notes.push(note);
+            }
+        }
+        whole.spent = whole.spent + index.spent;
     }
     let mut whole = whole.unwrap_or_else(|| Index::new(Design::default()));
     whole.keys.sort();
@@ -170,6 +206,10 @@ pub struct Results {
     pub effects: Vec<EffectsOf>,
     /// What gave nothing.
     pub failures: Vec<Failure>,
+    /// What is no failure, and worth knowing.
+    pub notes: Vec<String>,
+    /// How long it took, interrupted or not.
+    pub spent: Spent,
     /// Every run.
     pub runs: Vec<Record>,
 }
@@ -187,11 +227,15 @@ pub struct Summary {
     pub seeds: Vec<u32>,
     /// By metric.
     pub metrics: BTreeMap<String, MetricSummary>,
+    /// The counts and rates that equal rays or equal time asked of its tracers, as `pass.parameter`.
+    pub budget: BTreeMap<String, f64>,
     /// Rays per pixel and frame, mean over all frames and seeds.
     pub rays_per_pixel: f64,
     /// Milliseconds of a frame, from recording to its end: 5th percentile, median, 95th, after warm-up.
     pub frame_ms: Option<[f64; 3]>,
-    /// The same of the GPU time of each pass.
+    /// The same of the GPU time of all passes together, where the adapter measures it.
+    pub gpu_ms: Option<[f64; 3]>,
+    /// And of each pass.
     pub pass_ms: BTreeMap<String, [f64; 3]>,
     /// Bytes of GPU memory for the frame.
     pub memory: u64,
@@ -204,7 +248,7 @@ pub struct MetricSummary {
     pub values: Vec<f64>,
     /// Mean and interval over seeds.
     pub estimate: Estimate,
-    /// The paired difference to each variant that has the same seeds, the base first; not to itself.
+    /// The paired difference to each other variant, over the seeds that both have.
     pub against: BTreeMap<String, Estimate>,
     /// Mean over seeds at each frame that has a reference.
     pub by_frame: Vec<(u32, f64)>,
@@ -228,9 +272,16 @@ impl Results {
     /// interrupted and what was not are the same.
     pub fn new(index: Index, folder: &Path) -> Results {
         let runs = folder.join("runs");
-        let read = |key: &String| Record::read(&runs.join(format!("{key}.json")));
+        let read = |key: &String| {
+            let in_memory = index.unwritten.iter().find(|record| record.key == *key);
+            let on_disk = || Record::read(&runs.join(format!("{key}.json")));
+            in_memory.cloned().or_else(on_disk)
+        };
         let records: Vec<Record> = index.keys.iter().filter_map(read).collect();
-        Results::of(index.design, records, index.failures)
+        let mut results = Results::of(index.design, records, index.failures);
+        results.notes = index.notes;
+        results.spent = index.spent;
+        results
     }
 
     /// Of records in any order.
@@ -265,8 +316,46 @@ impl Results {
             summaries,
             effects,
             failures,
+            notes: Vec::new(),
+            spent: Spent::default(),
             runs: records,
         }
+    }
+}
+
+/// The times that count.
+fn warm(times: &[f64]) -> &[f64] {
+    let cold = WARM_UP.min(times.len().saturating_sub(1));
+    &times[cold..]
+}
+
+/// 5th percentile, median and 95th.
+fn spread(times: &[f64]) -> Option<[f64; 3]> {
+    Some([
+        quantile(times, 0.05)?,
+        quantile(times, 0.5)?,
+        quantile(times, 0.95)?,
+    ])
+}
+
+impl Record {
+    fn budget(&self) -> BTreeMap<String, f64> {
+        let counts = self
+            .counts
+            .iter()
+            .map(|(name, n)| (name.clone(), *n as f64));
+        let rates = self.rates.iter().map(|(name, x)| (name.clone(), *x));
+        counts.chain(rates).collect()
+    }
+
+    /// GPU milliseconds of all passes together, of each frame that counts.
+    fn gpu_milliseconds(&self) -> Vec<f64> {
+        let mut sums: Vec<f64> = Vec::new();
+        for times in self.passes.values() {
+            sums.resize(sums.len().max(times.len()), 0.0);
+            sums.iter_mut().zip(times).for_each(|(sum, t)| *sum += t);
+        }
+        warm(&sums).to_vec()
     }
 }
 
@@ -299,36 +388,31 @@ fn summary(design: &Design, records: Vec<&Record>) -> Option<Summary> {
     }
     let pixels = f64::from(design.size[0]) * f64::from(design.size[1]);
     let rays: Vec<f64> = records.iter().flat_map(|r| r.rays.clone()).collect();
-    let after = |times: &[f64]| times.get(WARM_UP..).unwrap_or(&[]).to_vec();
-    let spread = |times: Vec<f64>| {
-        Some([
-            quantile(&times, 0.05)?,
-            quantile(&times, 0.5)?,
-            quantile(&times, 0.95)?,
-        ])
-    };
     let mut passes: HashMap<&String, Vec<f64>> = HashMap::new();
     for (pass, times) in records.iter().flat_map(|r| &r.passes) {
-        passes.entry(pass).or_default().extend(after(times));
+        passes.entry(pass).or_default().extend(warm(times));
     }
-    let seconds = records.iter().flat_map(|r| after(&r.seconds));
+    let seconds = records.iter().flat_map(|r| warm(&r.seconds).to_vec());
+    let gpu = records.iter().flat_map(|r| r.gpu_milliseconds());
     Some(Summary {
         scene: first.scene.clone(),
         camera: first.camera.clone(),
         variant: first.variant.clone(),
         seeds: records.iter().map(|r| r.seed).collect(),
         metrics,
+        budget: first.budget(),
         rays_per_pixel: rays.iter().sum::<f64>() / rays.len().max(1) as f64 / pixels,
-        frame_ms: spread(seconds.map(|s| s * 1e3).collect()),
+        frame_ms: spread(&seconds.map(|s| s * 1e3).collect::<Vec<_>>()),
+        gpu_ms: spread(&gpu.collect::<Vec<_>>()),
         pass_ms: passes
             .into_iter()
-            .filter_map(|(pass, times)| Some((pass.clone(), spread(times)?)))
+            .filter_map(|(pass, times)| Some((pass.clone(), spread(&times)?)))
             .collect(),
         memory: records.iter().map(|r| r.memory).max().unwrap_or(0),
     })
 }
 
-/// Fills in paired differences, between variants that have the same seeds.
+/// Fills in paired differences, over the seeds that both variants have.
 fn compare(cell: &mut [Summary]) {
     let all: Vec<_> = cell
         .iter()
@@ -336,14 +420,20 @@ fn compare(cell: &mut [Summary]) {
         .collect();
     for summary in cell {
         for (name, metric) in &mut summary.metrics {
-            for (variant, seeds, metrics) in &all {
+            let others = all
+                .iter()
+                .filter(|(variant, ..)| *variant != summary.variant);
+            for (variant, seeds, metrics) in others {
                 let Some(other) = metrics.get(name) else {
                     continue;
                 };
-                if *variant != summary.variant
-                    && *seeds == summary.seeds
-                    && let Some(difference) = Estimate::paired(&metric.values, &other.values)
-                {
+                let mine = summary.seeds.iter().zip(&metric.values);
+                let pairs = mine.filter_map(|(seed, value)| {
+                    let at = seeds.iter().position(|s| s == seed)?;
+                    Some((*value, *other.values.get(at)?))
+                });
+                let (values, base): (Vec<f64>, Vec<f64>) = pairs.unzip();
+                if let Some(difference) = Estimate::paired(&values, &base) {
                     metric.against.insert(variant.clone(), difference);
                 }
             }

@@ -1,20 +1,25 @@
 //! Runs what is planned, keeps a record of each run, and goes on where one fails.
 
-use crate::balance::{balanced, counted, rays};
-use crate::cell::{Cell, ReferenceGraph, Wanted, add_shaders, keep_linear, wanted};
+mod budget;
+
+use crate::balance::rays;
+use crate::cell::{Cell, Made, ReferenceGraph, Wanted, add_shaders, keep_linear, wanted};
 use crate::device::Gpu;
 use crate::error::LabError;
-use crate::experiment::{Budget, CameraPath, Measure, ReferenceChoice};
+use crate::experiment::{CameraPath, Measure, ReferenceChoice};
 use crate::images::Images;
 use crate::measure::{Exposed, Flickering};
 use crate::plan::{Plan, Variant};
 use crate::record::{FrameRecord, Record};
-use crate::results::{Failure, Index};
+use crate::results::{Failure, Index, Spent};
 use crate::scene::load_scene;
 use crate::stage::{Pose, Stage, linear};
-use scumble::{Pipeline, Registry, Value};
-use scumble_metrics::{Metric, read};
+use budget::Settings;
+use framegraph::Debug;
+use scumble::{Pipeline, Registry};
+use scumble_metrics::Metric;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -45,8 +50,10 @@ impl Shard {
     /// All of it.
     pub const WHOLE: Shard = Shard { index: 1, count: 1 };
 
-    fn has(self, group: usize) -> bool {
-        group % self.count.max(1) as usize + 1 == self.index as usize
+    /// Whether group number `group` of `groups` is in this part. Neighbours are in one part: they have a reference
+    /// in common, which each part renders for itself.
+    fn has(self, group: usize, groups: usize) -> bool {
+        group * self.count as usize / groups.max(1) + 1 == self.index as usize
     }
 }
 
@@ -57,18 +64,13 @@ pub struct Runner<'a> {
     plan: &'a Plan,
     folder: PathBuf,
     shard: Shard,
+    levers: Debug,
     listener: &'a mut dyn FnMut(Event<'_>),
     index: Index,
+    /// What earlier runs of the same experiment spent.
+    before: Spent,
+    start: Instant,
     rendering: f64,
-}
-
-/// How the time of an experiment was spent, in seconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spent {
-    /// Rendering: frames and references.
-    pub rendering: f64,
-    /// All of it.
-    pub whole: f64,
 }
 
 /// A scene and a camera path, while its runs are made.
@@ -94,28 +96,40 @@ impl<'a> Runner<'a> {
         shard: Shard,
         listener: &'a mut dyn FnMut(Event<'_>),
     ) -> Result<Runner<'a>, LabError> {
-        for part in ["runs", "references", "rays"] {
+        for part in ["runs", "references", "rays", "times"] {
             let path = folder.join(part);
             std::fs::create_dir_all(&path).map_err(|source| LabError::Folder { path, source })?;
         }
+        let before = Index::read(folder).ok();
+        let before = before.filter(|index| index.design == plan.design);
         Ok(Runner {
             gpu,
             registry,
             plan,
             folder: folder.to_owned(),
             shard,
+            levers: Debug::default(),
             listener,
             index: Index::new(plan.design.clone()),
+            before: before.map(|index| index.spent).unwrap_or_default(),
+            start: Instant::now(),
             rendering: 0.0,
         })
+    }
+
+    /// Pulls levers of the frame graph in all runs. What is measured with them is kept apart from what is measured
+    /// without.
+    #[must_use]
+    pub fn with_levers(mut self, levers: Debug) -> Runner<'a> {
+        self.levers = levers;
+        self
     }
 
     /// Runs what has no record yet. Gives what there is then, and how the time was spent.
     ///
     /// # Errors
-    /// What stops everything: the reference cannot be rendered at all, files cannot be written.
+    /// What stops everything: the reference graph has mistakes.
     pub fn run(mut self) -> Result<(Index, Spent), LabError> {
-        let start = Instant::now();
         let reference = ReferenceGraph::new(&self.plan.experiment, self.registry)?;
         for variant in &self.plan.variants {
             if let Err(mistakes) = &variant.graph {
@@ -128,12 +142,59 @@ impl<'a> Runner<'a> {
                 self.fail(Failure::new(error).scene(&scene.value));
             }
         }
-        self.index.write(&self.folder)?;
-        let spent = Spent {
-            rendering: self.rendering,
-            whole: start.elapsed().as_secs_f64(),
-        };
+        self.keep_unwritten();
+        self.write_index();
+        let spent = self.spent();
         Ok((self.index, spent))
+    }
+
+    fn spent(&self) -> Spent {
+        Spent {
+            rendering: self.rendering,
+            whole: self.start.elapsed().as_secs_f64(),
+        }
+    }
+
+    /// Whoever looks in while an experiment runs finds what is there. A disk that is full by now may not be so when
+    /// the last run is made.
+    fn write_index(&mut self) {
+        self.index.spent = self.before + self.spent();
+        if let Err(error) = self.index.write(&self.folder) {
+            self.note(error);
+        }
+    }
+
+    /// Keeps a record as a file, else in memory.
+    fn keep(&mut self, record: Record) {
+        if let Err(error) = record.write(&self.file(&record.key)) {
+            self.note(error);
+            self.index.unwritten.push(record);
+        }
+    }
+
+    /// Tries once more to write what could not be written, and says what is in memory alone.
+    fn keep_unwritten(&mut self) {
+        for record in std::mem::take(&mut self.index.unwritten) {
+            if let Err(error) = record.write(&self.file(&record.key)) {
+                let failure = Failure::new(error).scene(&record.scene);
+                let failure = failure.camera(&record.camera).variant(&record.variant);
+                self.fail(failure.seed(record.seed));
+                self.index.unwritten.push(record);
+            }
+        }
+    }
+
+    fn file(&self, key: &str) -> PathBuf {
+        self.folder.join("runs").join(format!("{key}.json"))
+    }
+
+    /// Says something once.
+    fn note(&mut self, note: impl Display) {
+        let note = note.to_string();
+        if !self.index.notes.contains(&note) {
+            (self.listener)(Event::Note(&note));
+            self.index.notes.push(note);
+        }
     }
 
     fn fail(&mut self, failure: Failure) {
@@ -145,7 +206,8 @@ impl<'a> Runner<'a> {
         let experiment = &self.plan.experiment;
         (self.listener)(Event::Doing(&format!("loading {name}")));
         let file = experiment.file(name);
-        let mut stage = Stage::new(self.gpu, load_scene(&file, experiment.lambert, None)?)?;
+        let scene = load_scene(&file, experiment.lambert, None)?;
+        let mut stage = Stage::new(self.gpu, scene, self.levers.clone())?;
         let mut truth = reference.pipeline(self.gpu, self.registry, &stage, experiment.size)?;
         for (c, path) in experiment.cameras.iter().enumerate() {
             let made = self.path(name, c, path, &mut stage, reference, &mut truth);
@@ -183,8 +245,9 @@ impl<'a> Runner<'a> {
         let scene_number = self.plan.design.scenes.iter().position(|s| s == scene);
         let cameras = self.plan.design.cameras.len();
         let first = (scene_number.unwrap_or(0) * cameras + number) * self.plan.variants.len();
+        let groups = self.plan.design.scenes.len() * cameras * self.plan.variants.len();
         for (v, variant) in self.plan.variants.iter().enumerate() {
-            if variant.graph.is_err() || !self.shard.has(first + v) {
+            if variant.graph.is_err() || !self.shard.has(first + v, groups) {
                 continue;
             }
             let made = self.variant(variant, &mut cellar, stage, reference, truth);
@@ -208,7 +271,7 @@ impl<'a> Runner<'a> {
         let mut graph = variant.graph.clone()?;
         keep_linear(&mut graph)?;
         let mut pipeline = stage.pipeline(self.gpu, self.registry, &graph, experiment.size)?;
-        let counts = self.balance(
+        let settings = self.settle(
             &variant.name,
             cellar,
             stage,
@@ -234,9 +297,8 @@ impl<'a> Runner<'a> {
         let paths: f64 = variant.spending.iter().map(|s| s.paths).sum();
         for &seed in &experiment.seeds {
             let key = base.clone().value(&seed).name();
-            let file = self.folder.join("runs").join(format!("{key}.json"));
             let what = format!("{}, {}, {}", cellar.scene, cellar.path.name, variant.name);
-            if self.is_there(&file, seed) {
+            if self.is_there(&self.file(&key), seed) {
                 (self.listener)(Event::Found(&key));
             } else {
                 (self.listener)(Event::Doing(&what));
@@ -245,74 +307,32 @@ impl<'a> Runner<'a> {
                     key: key.clone(),
                     variant: &variant.name,
                     seed,
-                    counts: &counts,
+                    settings: &settings,
+                };
+                let of = |why: LabError| {
+                    let failure = Failure::new(why).scene(cellar.scene);
+                    let failure = failure.camera(&cellar.path.name).variant(&variant.name);
+                    failure.seed(seed)
                 };
                 match self.one(&run, cellar, stage, &mut pipeline) {
-                    Ok(record) => record.write(&file)?,
+                    Ok((record, unkept)) => {
+                        self.keep(record);
+                        // Of several images that cannot be written the first says why.
+                        if let Some(error) = unkept.into_iter().next() {
+                            self.fail(of(error));
+                        }
+                    }
                     Err(error) => {
-                        let failure = Failure::new(error).scene(cellar.scene);
-                        let failure = failure.camera(&cellar.path.name).variant(&variant.name);
-                        self.fail(failure.seed(seed));
+                        self.fail(of(error));
                         continue;
                     }
                 }
             }
             self.index.keys.push(key);
-            // Whoever looks in while it runs finds what is there.
-            self.index.write(&self.folder)?;
+            self.write_index();
             (self.listener)(Event::Done(paths * f64::from(cellar.path.frames)));
         }
         Ok(())
-    }
-
-    /// Makes a pipeline count as many rays as that many paths of the reference do, where it has a grid tracer; gives the
-    /// counts that are set.
-    fn balance(
-        &mut self,
-        name: &str,
-        cellar: &Cellar<'_>,
-        stage: &mut Stage,
-        pipeline: &mut Pipeline,
-        reference: &ReferenceGraph,
-        truth: &mut Pipeline,
-    ) -> Result<BTreeMap<String, i64>, LabError> {
-        let Budget::EqualRays(paths) = self.plan.experiment.budget else {
-            return Ok(BTreeMap::new());
-        };
-        let folder = self.folder.join("rays");
-        let start = Instant::now();
-        let mut count = |pipeline: &mut Pipeline| {
-            let mut key = stage.key.clone();
-            key.add(&pipeline.resolved().to_string());
-            key.value(&pipeline.size());
-            add_shaders(&mut key, pipeline);
-            counted(self.gpu, stage, pipeline, &cellar.poses, key, &folder)
-        };
-        let of_reference: f64 = count(truth)?.values().sum();
-        let target = paths * of_reference / f64::from(reference.samples_per_frame());
-        let before = count(pipeline)?;
-        let counts = balanced(pipeline.resolved(), &before, target);
-        for (param, value) in &counts {
-            pipeline.set_param(param, value.clone())?;
-        }
-        self.rendering += start.elapsed().as_secs_f64();
-        let spent: f64 = before.values().sum();
-        if counts.is_empty() && (spent / target - 1.0).abs() > 0.05 {
-            let [width, height] = pipeline.size().map(f64::from);
-            let pixels = width * height;
-            (self.listener)(Event::Note(&format!(
-                "{}, {}, {name}: {:.2} rays per pixel, not {:.2}: it has no count that can be set so finely",
-                cellar.scene,
-                cellar.path.name,
-                spent / pixels,
-                target / pixels
-            )));
-        }
-        let set = counts.into_iter().filter_map(|(param, value)| match value {
-            Value::Int(count) => Some((param, count)),
-            _ => None,
-        });
-        Ok(set.collect())
     }
 
     /// Makes what the runs of a scene and a path share, once.
@@ -332,7 +352,7 @@ impl<'a> Runner<'a> {
         let folder = self.folder.join("references");
         let listener = &mut *self.listener;
         let done = |paths: f64| listener(Event::Done(paths));
-        let mut cell = Cell::new(
+        let made = Cell::make(
             self.gpu,
             stage,
             reference,
@@ -340,7 +360,15 @@ impl<'a> Runner<'a> {
             &cellar.wanted,
             &folder,
             done,
-        )?;
+        );
+        let Made {
+            mut cell,
+            radiance,
+            unkept,
+        } = made?;
+        for error in unkept {
+            self.note(error);
+        }
         let experiment = &self.plan.experiment;
         let moves = cellar.poses.iter().any(|p| p.time != 0.0)
             || cellar.poses.windows(2).any(|p| p[0].camera != p[1].camera);
@@ -351,10 +379,11 @@ impl<'a> Runner<'a> {
         self.rendering += start.elapsed().as_secs_f64();
         let images = Images::new(&self.folder);
         let names = cellar.wanted.iter().map(|want| &want.key);
-        for (key, (_, reference)) in names.zip(&cell.references) {
-            let radiance = read(folder.join(format!("{key}.exr")))?;
-            let [scene, camera] = [cellar.scene, &cellar.path.name];
-            images.write_reference(scene, camera, key, reference, &radiance)?;
+        let [scene, camera] = [cellar.scene, &cellar.path.name];
+        for ((key, (_, reference)), radiance) in names.zip(&cell.references).zip(&radiance) {
+            if let Err(error) = images.write_reference(scene, camera, key, reference, radiance) {
+                self.fail(Failure::new(error).scene(scene).camera(camera));
+            }
         }
         cellar.cell = Some(cell);
         Ok(())
@@ -378,7 +407,7 @@ impl<'a> Runner<'a> {
         cellar: &Cellar<'_>,
         stage: &mut Stage,
         pipeline: &mut Pipeline,
-    ) -> Result<Record, LabError> {
+    ) -> Result<(Record, Vec<LabError>), LabError> {
         let (gpu, measures) = (self.gpu, &self.plan.experiment.metrics);
         let Some(cell) = &cellar.cell else {
             return Err(LabError::BlackReference);
@@ -392,7 +421,8 @@ impl<'a> Runner<'a> {
             adapter: gpu.name.clone(),
             driver: gpu.driver.clone(),
             exposure: cell.exposure,
-            counts: run.counts.clone(),
+            counts: run.settings.counts.clone(),
+            rates: run.settings.rates.clone(),
             rays: Vec::new(),
             seconds: Vec::new(),
             passes: BTreeMap::new(),
@@ -406,6 +436,7 @@ impl<'a> Runner<'a> {
         );
         let images = Images::new(&self.folder);
         let mut flickering = Flickering::default();
+        let mut unkept = Vec::new();
         let mut clock = Instant::now();
         // The plan of the last frame is drawn.
         let last = cellar.poses.len() as u32 - 1;
@@ -432,7 +463,8 @@ impl<'a> Runner<'a> {
                         metrics,
                     });
                     if shown {
-                        images.write_run(&record, frame, [&image, reference], &radiance)?;
+                        let pair = [&image, reference];
+                        unkept.extend(images.write_run(&record, frame, pair, &radiance).err());
                     }
                 }
             }
@@ -443,10 +475,14 @@ impl<'a> Runner<'a> {
             record.flicker = Some(flickering.finish()?);
         }
         if let Some(plan) = pipeline.plan().filter(|_| shown) {
-            images.write_graph(&record, &plan.svg())?;
+            unkept.extend(images.write_graph(&record, &plan.svg()).err());
+        }
+        let frames = record.seconds.len();
+        for times in record.passes.values_mut() {
+            times.resize(frames, 0.0);
         }
         self.rendering += record.seconds.iter().sum::<f64>();
-        Ok(record)
+        Ok((record, unkept))
     }
 }
 
@@ -455,14 +491,18 @@ struct Run<'r> {
     key: String,
     variant: &'r str,
     seed: u32,
-    counts: &'r BTreeMap<String, i64>,
+    settings: &'r Settings,
 }
 
 /// Notes what the last frame cost.
 fn note_cost(record: &mut Record, pipeline: &mut Pipeline) -> Result<(), LabError> {
+    let frame = record.rays.len();
     record.rays.push(rays(pipeline)?.values().sum());
     for (pass, milliseconds) in pipeline.timings() {
-        record.passes.entry(pass).or_default().push(milliseconds);
+        let times = record.passes.entry(pass).or_default();
+        // In frames that it is not in, a pass takes no time.
+        times.resize(frame, 0.0);
+        times.push(milliseconds);
     }
     let memory = pipeline.memory();
     record.memory = record.memory.max(memory.transient + memory.history);
@@ -480,7 +520,7 @@ pub fn measure_speed(gpu: &Gpu, registry: &Registry, plan: &Plan) -> Result<f64,
         return Err(LabError::BlackReference);
     };
     let scene = load_scene(&experiment.file(&scene.value), experiment.lambert, None)?;
-    let mut stage = Stage::new(gpu, scene)?;
+    let mut stage = Stage::new(gpu, scene, Debug::default())?;
     let mut pipeline = reference.pipeline(gpu, registry, &stage, experiment.size)?;
     let pose = stage.poses(path)?[0];
     let (mut clock, mut seconds) = (Instant::now(), 0.0);
@@ -504,4 +544,35 @@ pub fn too_small(plan: &Plan) -> Vec<Metric> {
             _ => None,
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Shard;
+
+    #[test]
+    fn parts_are_disjoint_and_together_the_whole() {
+        for (groups, count) in [(1, 1), (8, 2), (7, 3), (2, 5), (100, 7)] {
+            let has = |group: usize| {
+                let shards = (1..=count).map(|index| Shard { index, count });
+                shards.filter(|shard| shard.has(group, groups)).count()
+            };
+            assert!(
+                (0..groups).all(|group| has(group) == 1),
+                "{groups} in {count}"
+            );
+            let sizes = (1..=count).map(|index| {
+                let shard = Shard { index, count };
+                (0..groups)
+                    .filter(|group| shard.has(*group, groups))
+                    .count()
+            });
+            let even = groups / count as usize;
+            assert!(
+                sizes
+                    .into_iter()
+                    .all(|size| size == even || size == even + 1)
+            );
+        }
+    }
 }

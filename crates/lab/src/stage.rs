@@ -5,6 +5,7 @@ use crate::error::LabError;
 use crate::experiment::{CameraPath, Experiment};
 use crate::key::Key;
 use crate::render::{read_image, render_frame};
+use framegraph::Debug;
 use scumble::{Camera, FrameInput, Host, Pipeline, Registry, Resolved};
 use scumble_metrics::Image;
 use scumble_scene::{GpuScene, Scene};
@@ -15,6 +16,7 @@ pub(crate) struct Stage {
     pub host: Host,
     /// What depends on the scene.
     pub key: Key,
+    levers: Debug,
     scene: Arc<Scene>,
 }
 
@@ -26,15 +28,21 @@ pub(crate) struct Pose {
 }
 
 impl Stage {
-    pub fn new(gpu: &Gpu, scene: Scene) -> Result<Stage, LabError> {
+    pub fn new(gpu: &Gpu, scene: Scene, levers: Debug) -> Result<Stage, LabError> {
         let scene = Arc::new(scene);
         let mut key = Key::new("result");
         key.scene(&scene).add(&gpu.name).add(&gpu.driver);
+        key.value(&levers);
         let mut host = Host::new();
         let on_gpu = GpuScene::new(&gpu.device, &gpu.queue, scene.clone())?;
         gpu.check()?;
         host.insert("Scene", on_gpu);
-        Ok(Stage { host, key, scene })
+        Ok(Stage {
+            host,
+            key,
+            levers,
+            scene,
+        })
     }
 
     /// The poses of a path.
@@ -84,7 +92,11 @@ impl Stage {
         let (device, queue) = (&gpu.device, &gpu.queue);
         let mut pipeline = Pipeline::new(device, queue, registry, graph.clone(), &self.host, size)?;
         gpu.check()?;
-        pipeline.debug().timestamps = gpu.has_timestamps();
+        let timestamps = gpu.has_timestamps();
+        *pipeline.debug() = Debug {
+            timestamps,
+            ..self.levers.clone()
+        };
         Ok(pipeline)
     }
 

@@ -101,6 +101,11 @@ fn values_that_make_no_sense() {
             "EqualRays(0)",
             "n paths per pixel above 0",
         ),
+        (
+            "EqualRays(0.5)",
+            "EqualTime(-1)",
+            "`EqualTime(ms)` with milliseconds above 0",
+        ),
         ("(64, 48)", "(64, 0)", "whole numbers of pixels above 0"),
         (
             "[\"cornell\"]",

@@ -143,7 +143,9 @@ fn an_interrupted_experiment_goes_on_and_shards_merge() {
 
     // Nothing is rendered twice.
     let (again, rendered) = run(&gpu, folder.path(), &output, Shard::WHOLE);
-    assert_eq!((again.clone(), rendered.len()), (index.clone(), 0));
+    assert_eq!((&again.keys, rendered.len()), (&index.keys, 0));
+    // The time of both is known.
+    assert!(again.spent.whole > index.spent.whole);
 
     // What is missing or broken is rendered again, on a fresh pipeline, and is the same: a seed does not see the
     // histories of the one before.
@@ -151,7 +153,7 @@ fn an_interrupted_experiment_goes_on_and_shards_merge() {
     std::fs::remove_file(&records[0]).unwrap();
     std::fs::write(&records[5], "{").unwrap();
     let (again, rendered) = run(&gpu, folder.path(), &output, Shard::WHOLE);
-    assert_eq!((again, rendered.len()), (index, 2));
+    assert_eq!((again.keys, rendered.len()), (index.keys, 2));
     assert_eq!(measured(&Index::read(&output).unwrap(), &output), whole);
     std::fs::remove_file(images.run(&whole[0], 1, "relmse.png")).unwrap();
     let (_, rendered) = run(&gpu, folder.path(), &output, Shard::WHOLE);
@@ -242,6 +244,117 @@ fn references_may_be_files() {
             .message
             .contains("has 24x16 pixels, and the experiment renders 16x24")
     );
+}
+
+/// Keys of the base and of `trace.ron`, one seed.
+fn keys(gpu: &Gpu, folder: &Path) -> [String; 2] {
+    let (index, _) = run(gpu, folder, &folder.join("keys"), Shard::WHOLE);
+    assert_eq!(index.failures, []);
+    index.keys.try_into().unwrap()
+}
+
+/// Each thing that a record depends on changes the keys of those that depend on it, and of no others; what it does not
+/// depend on changes none.
+#[test]
+fn keys_hold_what_a_record_depends_on() {
+    let gpu = gpu();
+    let folder = folder("1.0", "\"cornell\"", "\"trace.ron\"", STILL);
+    let path = folder.path();
+    let text = std::fs::read_to_string(path.join("e.ron")).unwrap();
+    let text = text
+        .replace("seeds: 2", "seeds: [1]")
+        .replace("EqualRays(2)", "None");
+    let text = text.replace("(24, 16)", "(12, 11)");
+    let write = |name: &str, text: &str| std::fs::write(path.join(name), text).unwrap();
+    write("e.ron", &text);
+    let before = keys(&gpu, path);
+    let changed = |file: &str, text: &str, from: &str, to: &str| {
+        assert!(text.contains(from), "{from} is not in {text}");
+        write(file, &text.replace(from, to));
+        let after = keys(&gpu, path);
+        write(file, text);
+        [0, 1].map(|i| before[i] != after[i])
+    };
+    for (from, to) in [
+        ("seeds: [1]", "seeds: [2]"),
+        ("(12, 11)", "(11, 12)"),
+        ("still: 0", "orbit: (degrees: 5)"),
+        ("samples: 4", "samples: 5"),
+        ("RelMse, Ssim", "RelMse"),
+        ("[\"cornell\"]", "[\"furnace\"]"),
+    ] {
+        assert_eq!(changed("e.ron", &text, from, to), [true, true], "{to}");
+    }
+    for (from, to) in [
+        ("about: \"test\"", "about: \"other\""),
+        ("scenes:", "/* a remark */ scenes:"),
+        // The box is Lambert already.
+        ("scenes:", "material_override: Lambert, scenes:"),
+    ] {
+        assert_eq!(changed("e.ron", &text, from, to), [false, false], "{to}");
+    }
+    let named = "[(graph: \"trace.ron\", name: \"other\")]";
+    let renamed = changed("e.ron", &text, "[\"trace.ron\"]", named);
+    assert_eq!(renamed, [false, true]);
+    // `plain.ron` extends `trace.ron`, but has no gain.
+    let gain = GAIN.replace("SCALE", "1.0");
+    assert_eq!(changed("gain.wgsl", &gain, "1.0 *", "2.0 *"), [false, true]);
+    let bounces = ("max_bounces: 1", "max_bounces: 2");
+    assert_eq!(
+        changed("trace.ron", TRACE, bounces.0, bounces.1),
+        [true, true]
+    );
+    assert_eq!(
+        changed("trace.ron", TRACE, "about:", "/* a remark */ about:"),
+        [false, false]
+    );
+    assert_eq!(keys(&gpu, path), before);
+
+    let mut elsewhere = gpu;
+    elsewhere.driver += " 2";
+    let driver = keys(&elsewhere, path);
+    elsewhere.name += " 2";
+    let adapter = keys(&elsewhere, path);
+    for i in [0, 1] {
+        assert!(before[i] != driver[i] && driver[i] != adapter[i]);
+    }
+}
+
+/// No budget is small enough for a thousandth of a millisecond: the least is taken, the results say so, and another run
+/// finds what was measured.
+#[test]
+fn a_time_that_cannot_be_had_is_told() {
+    let gpu = gpu();
+    let folder = folder("1.0", "\"cornell\"", "\"trace.ron\"", STILL);
+    let path = folder.path().join("e.ron");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("EqualRays(2)", "EqualTime(0.001)")).unwrap();
+    let output = folder.path().join("out");
+    let (index, rendered) = run(&gpu, folder.path(), &output, Shard::WHOLE);
+    assert_eq!((index.failures.len(), index.keys.len()), (0, 4));
+    assert!(
+        rendered.iter().any(|what| what.ends_with("plain, budget")),
+        "{rendered:?}"
+    );
+    assert_eq!(index.notes.len(), 2, "{:?}", index.notes);
+    assert!(
+        index.notes[0].starts_with("cornell, still, plain: "),
+        "{}",
+        index.notes[0]
+    );
+    assert!(index.notes[0].ends_with(" ms a frame, not 0.001: it cannot trace less"));
+    for record in measured(&index, &output) {
+        assert_eq!(record.counts, [("path-trace.samples".to_owned(), 1)].into());
+    }
+    for record in runs(&output) {
+        std::fs::remove_file(record).unwrap();
+    }
+    let (again, rendered) = run(&gpu, folder.path(), &output, Shard::WHOLE);
+    assert!(
+        !rendered.iter().any(|what| what.ends_with("budget")),
+        "{rendered:?}"
+    );
+    assert_eq!((again.keys, again.notes), (index.keys, index.notes));
 }
 
 #[test]

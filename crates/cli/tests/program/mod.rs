@@ -1,6 +1,8 @@
 //! Running the program in tests.
 #![allow(dead_code, reason = "each test file uses its own part of this")]
 
+pub mod experiment;
+
 use std::path::Path;
 use std::process::Command;
 
@@ -31,6 +33,12 @@ pub fn without_driver(args: &[&str]) -> Run {
 pub fn with_variable(adapter: &str, args: &[&str]) -> Run {
     let mut command = Command::new(env!("CARGO_BIN_EXE_scumble"));
     run(command.args(args).env("SCUMBLE_ADAPTER", adapter))
+}
+
+/// With FRAMEGRAPH_DEBUG set.
+pub fn levered(levers: &str, args: &[&str]) -> Run {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scumble"));
+    run(command.args(args).env("FRAMEGRAPH_DEBUG", levers))
 }
 
 /// With FRAMEGRAPH_DEBUG set, and no driver.

@@ -133,6 +133,8 @@ pub enum Budget {
     None,
     /// Paths per pixel of the image and frame, of every tracer.
     EqualRays(f64),
+    /// GPU milliseconds of a frame.
+    EqualTime(f64),
 }
 
 /// What runs are measured against.

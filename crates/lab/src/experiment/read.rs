@@ -397,15 +397,19 @@ fn budget(node: &Node, diagnostics: &mut Diagnostics) -> Budget {
     if matches!(node.shape(), Shape::Word(word) if word == "None") {
         return Budget::None;
     }
-    let amount = node.argument_of("EqualRays").map(str::parse::<f64>);
-    match amount {
-        Some(Ok(n)) if n > 0.0 && n <= 65536.0 => Budget::EqualRays(n),
-        _ => {
-            let expected = "`None`, or `EqualRays(n)` with n paths per pixel above 0";
-            node.mismatch(expected, diagnostics);
-            Budget::None
-        }
+    let amount = |of: &str| {
+        let amount = node.argument_of(of)?.parse::<f64>().ok()?;
+        (amount > 0.0 && amount <= 65536.0).then_some(amount)
+    };
+    if let Some(paths) = amount("EqualRays") {
+        return Budget::EqualRays(paths);
     }
+    if let Some(milliseconds) = amount("EqualTime") {
+        return Budget::EqualTime(milliseconds);
+    }
+    let expected = "`None`, `EqualRays(n)` with n paths per pixel above 0, or `EqualTime(ms)` with milliseconds above 0";
+    node.mismatch(expected, diagnostics);
+    Budget::None
 }
 
 fn reference(into: &mut ReferenceChoice, node: &Node, diagnostics: &mut Diagnostics) {

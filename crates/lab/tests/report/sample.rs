@@ -95,6 +95,7 @@ fn record(design: &Design, scene: &str, method: usize, seed: u32) -> Record {
         driver: "driver & co".into(),
         exposure: EXPOSURE,
         counts: [("a.samples".to_owned(), 3)].into(),
+        rates: [].into(),
         rays: vec![2000.0; 8],
         seconds: times(0.004 * (method + 1) as f64),
         passes: [("a", 1.0), ("b/c", 2.5)]
