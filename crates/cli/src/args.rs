@@ -42,6 +42,10 @@ pub enum Verb {
     /// Run an experiment: pipelines compared at equal cost, with references, seeds and intervals
     #[command(after_help = levers::HELP)]
     Ablate(AblateArgs),
+    /// Write the form of graph or experiment files as JSON Schema, for editors and tools
+    Schema(SchemaArgs),
+    /// Write a script by which a shell completes commands and options
+    Completions(CompletionsArgs),
 }
 
 #[derive(Args)]
@@ -307,6 +311,29 @@ pub struct PassesArgs {
     /// Write JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// RON is read as JSON so: a struct or map is an object, a tuple or list an array, a word a string, and word(x) the
+/// object {"word": x}.
+#[derive(Args)]
+pub struct SchemaArgs {
+    /// Of which files
+    pub of: SchemaOf,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum SchemaOf {
+    /// Graphs, with the parameters of every pass
+    Graph,
+    /// Experiments
+    Experiment,
+}
+
+/// For bash: `scumble completions bash > ~/.local/share/bash-completion/completions/scumble`
+#[derive(Args)]
+pub struct CompletionsArgs {
+    /// The shell
+    pub shell: clap_complete::Shell,
 }
 
 #[derive(Args)]

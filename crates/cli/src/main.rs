@@ -20,9 +20,10 @@ mod progress;
 mod render;
 mod report;
 mod scene;
+mod schema;
 
 use args::{Cli, Verb};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use failure::Failure;
 use std::process::ExitCode;
 
@@ -66,6 +67,12 @@ fn run(verb: &Verb) -> Result<Verdict, Failure> {
         Verb::Passes(args) => passes::run(args),
         Verb::Adapters(args) => adapters::run(args),
         Verb::Scene(verb) => scene::run(verb),
+        Verb::Schema(args) => schema::run(args),
+        Verb::Completions(args) => {
+            let mut command = Cli::command();
+            clap_complete::generate(args.shell, &mut command, "scumble", &mut std::io::stdout());
+            Ok(())
+        }
     };
     done.map(|()| Verdict::Fine)
 }
