@@ -48,7 +48,7 @@ fn documentation() -> Done {
 
 /// Programs of others that tests need: which tests, the variable that names the program, its usual name, and
 /// how it shows that it is there.
-const OTHERS: [(&str, &str, &str, &[&str]); 2] = [
+const OTHERS: [(&str, &str, &str, &[&str]); 3] = [
     (
         "the tests of metrics against scikit-image and flip-evaluator",
         "SCUMBLE_PYTHON",
@@ -60,6 +60,12 @@ const OTHERS: [(&str, &str, &str, &[&str]); 2] = [
         "SCUMBLE_PYTHON",
         "python3",
         &["-c", "import mitsuba"],
+    ),
+    (
+        "the test of workflows/Snakefile",
+        "SCUMBLE_SNAKEMAKE",
+        "snakemake",
+        &["--version"],
     ),
 ];
 
