@@ -111,6 +111,19 @@ fn documented_graphs_resolve() {
     assert!(whole >= 2, "only {whole} graphs were found");
 }
 
+/// So do whole shaders.
+#[test]
+fn documented_shaders_are_passes() {
+    let registry = scumble_passes::registry();
+    let shaders = blocks(&read(repository("docs/graph-files.md")), "wgsl");
+    assert!(!shaders.is_empty());
+    for shader in shaders {
+        if let Err(mistakes) = scumble::wgsl_pass("documented.wgsl", &shader, &registry) {
+            panic!("{mistakes:#?}\n{shader}");
+        }
+    }
+}
+
 /// The README's first graph is `graphs/upsample-2016.ron`, wire by wire.
 #[test]
 fn the_first_graph_is_the_first_pipeline() {

@@ -159,10 +159,14 @@ fn source(
                 return Ok(Source::ByHand);
             };
             let signal = info.signal_of(&info.inputs[input]);
-            let float = matches!(sample, Sample::Float);
-            if float != signal.is_float() {
+            let name = &b.name;
+            let fits = match sample {
+                Sample::Float => signal.is_float(),
+                Sample::Uint => !signal.is_float(),
+                Sample::Sint | Sample::Depth => false,
+            };
+            if !fits {
                 let texel = if signal.is_float() { "f32" } else { "u32" };
-                let name = &b.name;
                 let message = format!(
                     "the input `{name}` carries {signal}: declare `{name}: texture_2d<{texel}>`"
                 );

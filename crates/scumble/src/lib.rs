@@ -52,4 +52,4 @@ pub use resolve::{
 };
 pub use signal::{Signal, SignalDef};
 pub use uniform::UniformValue;
-pub use wgsl_pass::wgsl_pass;
+pub use wgsl_pass::{read_wgsl_pass, wgsl_pass};

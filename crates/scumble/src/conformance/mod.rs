@@ -15,10 +15,11 @@ mod rules;
 mod run;
 
 use std::fmt;
+use std::sync::Arc;
 
 use crate::frame_input::FrameInput;
 use crate::host::Host;
-use crate::registry::Registry;
+use crate::registry::{PassType, Registry};
 
 /// What passes are checked with.
 pub struct Fixture {
@@ -148,22 +149,27 @@ impl fmt::Display for Report {
 
 /// Checks one pass of a registry with its default parameters.
 pub fn check(registry: &Registry, pass: &str, fixture: &mut Fixture) -> Report {
-    let mut report = Report {
+    if let Some(ty) = registry.get(pass) {
+        return check_type(registry, ty, fixture);
+    }
+    let hint = crate::diagnostics::hint(pass, registry.iter().map(|ty| ty.name.as_str()));
+    let failures = vec![format!("there is no pass `{pass}`{hint}")];
+    Report {
         pass: pass.to_owned(),
+        rules: vec![(Rule::Builds, Outcome::Failed(failures))],
+    }
+}
+
+/// The same for a pass that need not be in the registry, such as a WGSL file; the registry lends signals and modules.
+pub fn check_type(registry: &Registry, ty: &Arc<PassType>, fixture: &mut Fixture) -> Report {
+    let mut report = Report {
+        pass: ty.name.clone(),
         rules: Vec::new(),
     };
-    let Some(ty) = registry.get(pass).cloned() else {
-        let hint = crate::diagnostics::hint(pass, registry.iter().map(|ty| ty.name.as_str()));
-        report.rules.push((
-            Rule::Builds,
-            Outcome::Failed(vec![format!("there is no pass `{pass}`{hint}")]),
-        ));
-        return report;
-    };
-    let undeclared = !rules::bypass_declared(&ty).is_empty();
-    report.add(Rule::Documented, rules::documented(&ty));
-    report.add(Rule::Defaults, rules::defaults(&ty));
-    report.add(Rule::BypassDeclared, rules::bypass_declared(&ty));
+    let undeclared = !rules::bypass_declared(ty).is_empty();
+    report.add(Rule::Documented, rules::documented(ty));
+    report.add(Rule::Defaults, rules::defaults(ty));
+    report.add(Rule::BypassDeclared, rules::bypass_declared(ty));
     let needs = ty.needs(&ty.defaults);
     if let Some(name) = needs.host.iter().find(|name| !fixture.host.has(name)) {
         report.skip(Rule::Builds, &format!("the fixture lends no {name}"));

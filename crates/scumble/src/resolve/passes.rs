@@ -6,9 +6,10 @@ use std::sync::Arc;
 use super::decode::set_param;
 use super::draft::{Input, Member, PassVertex, ScopeId, Slot, Vertex, VertexKind, Wire};
 use super::load::{Chain, Loader, Reached, identity, tidy};
-use crate::diagnostics::{Diagnostic, SourceFile, Span, Spanned, code};
+use crate::diagnostics::{Diagnostic, Spanned, code};
 use crate::file::{PassUse, read_text};
 use crate::registry::PassType;
+use crate::wgsl_pass::wgsl_pass_of;
 
 impl Loader<'_> {
     /// Adds a pass to a scope, its inputs open; paths in it are relative to `directory`.
@@ -181,20 +182,11 @@ impl Loader<'_> {
             return None;
         };
         let text = read_text(path, Some(&kind.span), &mut self.diagnostics)?;
-        let source = SourceFile::new(path.display().to_string(), text);
-        match loader(source.name(), source.text(), self.registry) {
+        let name = path.display().to_string();
+        match wgsl_pass_of(&name, text, self.registry, loader) {
             Ok(ty) => Some(Arc::new(ty)),
-            Err(errors) => {
-                for error in errors {
-                    let at = match error.span {
-                        Some(range) => Span::new(&source, range),
-                        None => kind.span.clone(),
-                    };
-                    let mut diagnostic =
-                        Diagnostic::new(code::WGSL_PASS, error.message).at(&at, "");
-                    diagnostic.help = error.help;
-                    self.diagnostics.push(diagnostic);
-                }
+            Err(mistakes) => {
+                self.diagnostics.extend(mistakes);
                 None
             }
         }

@@ -20,29 +20,38 @@
 //! ```
 //!
 //! - The comment at the top says what it is: its first line in short.
-//! - `// port NAME: SIGNAL, RESOLUTION[, optional][, precise][, source NAME]; what it is` stands at
-//!   or above its binding. `SIGNAL` is a signal of the registry or `any`, `RESOLUTION` is `full`,
-//!   `grid` or `any`. A binding called `out_NAME` is an output.
+//! - `// port NAME: SIGNAL, RESOLUTION; what it is` stands at or above its binding. `SIGNAL` is a signal
+//!   of the registry or `any`, `RESOLUTION` is `full`, `grid` or `any`. A binding called `out_NAME` is an
+//!   output. Before the `;`, after commas, an input may be `optional`, have a `source NAME`, and say what
+//!   a read of the previous frame gets when there is none: `first skip`, `first copy NAME` (of another
+//!   input), `first VALUE`, `first (R, G, B, A)`. An output may be `precise` or `precise if kept`.
 //! - `// DEFAULT in MIN..MAX, UNIT; what it is` beside a member of `Params` makes it a parameter;
-//!   range, unit and text may be left out. `true` and `false` make a `u32` a truth value. Members
-//!   that every shader can ask for need no comment.
+//!   range, unit and text may be left out. `true` and `false` make a `u32` a truth value,
+//!   `// NAME of NAME | NAME; what it is` makes it a choice: the position in the list, from 0. Angles
+//!   (unit `deg`) are radians in the shader. Members that every shader can ask for need no comment.
 //! - `main` runs once per texel of the first output.
 //! - An output with an input of its name and signal is that input when the pass is bypassed, resampled
 //!   where the resolution differs.
 
+mod mistake;
+mod params;
+mod ports;
 mod read;
 mod scan;
 
+use std::path::Path;
 use std::sync::Mutex;
 
 use framegraph::ComputeKernel;
 
 use crate::context::{BuildContext, BuildError};
+use crate::diagnostics::{Diagnostic, Diagnostics, SourceFile, Span, code};
+use crate::file::read_text;
 use crate::params::ErasedParams;
 use crate::pass::{AnyPass, Bypass, Filter};
 use crate::pass_frame::{PassFrame, RecordError};
 use crate::port::Port;
-use crate::registry::{PassType, Registry, WgslPassError};
+use crate::registry::{PassType, Registry, WgslLoader, WgslPassError};
 
 /// Makes a kind of pass from the text of a WGSL file; `name` is its name in messages.
 ///
@@ -69,6 +78,52 @@ pub fn wgsl_pass(
     ty.outputs = facts.outputs;
     ty.defaults = ErasedParams::dynamic(facts.params);
     Ok(ty)
+}
+
+/// Reads the pass that a WGSL file is, under the name of its path.
+///
+/// ```no_run
+/// # fn main() -> Result<(), scumble::Diagnostics> {
+/// let filter = scumble::read_wgsl_pass("my-filter.wgsl", &scumble::Registry::new())?;
+/// println!("{}: {}", filter.name, filter.about);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// Every mistake in the file, with its place; that it cannot be read.
+pub fn read_wgsl_pass(
+    path: impl AsRef<Path>,
+    registry: &Registry,
+) -> Result<PassType, Diagnostics> {
+    let (path, mut diagnostics) = (path.as_ref(), Diagnostics::new());
+    let Some(text) = read_text(path, None, &mut diagnostics) else {
+        return Err(diagnostics);
+    };
+    wgsl_pass_of(&path.display().to_string(), text, registry, wgsl_pass)
+}
+
+/// What a loader makes of a text, its errors at their places.
+pub(crate) fn wgsl_pass_of(
+    name: &str,
+    text: String,
+    registry: &Registry,
+    loader: WgslLoader,
+) -> Result<PassType, Diagnostics> {
+    let source = SourceFile::new(name, text);
+    let diagnostic = |error: WgslPassError| {
+        let mut diagnostic = Diagnostic::new(code::WGSL_PASS, error.message);
+        if let Some(range) = error.span {
+            diagnostic = diagnostic.at(&Span::new(&source, range), "");
+        }
+        diagnostic.help = error.help;
+        diagnostic
+    };
+    loader(source.name(), source.text(), registry).map_err(|errors| {
+        let mut all = Diagnostics::new();
+        errors.into_iter().for_each(|e| all.push(diagnostic(e)));
+        all
+    })
 }
 
 struct WgslPass {

@@ -1,15 +1,17 @@
-//! The comments of a WGSL file that mean something, with their places.
+//! What a WGSL file says in comments and names, with the places.
 
 use std::ops::Range;
 
-/// What the comments say.
+/// What is found line by line; what the shader means is for naga to say.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Scanned<'t> {
     /// The comment at the top, without slashes.
     pub head: Vec<&'t str>,
     pub ports: Vec<PortComment<'t>>,
-    /// Comments beside members of `Params`.
-    pub members: Vec<(&'t str, Text<'t>)>,
+    /// Variables with a binding.
+    pub bindings: Vec<Text<'t>>,
+    /// Members of `Params`, each on a line of its own.
+    pub members: Vec<MemberLine<'t>>,
 }
 
 /// A `// port …` comment and the variable it stands at.
@@ -19,6 +21,13 @@ pub(super) struct PortComment<'t> {
     pub text: Text<'t>,
     /// `None` when no binding follows.
     pub variable: Option<&'t str>,
+}
+
+/// A member of `Params` and the comment beside it.
+#[derive(Debug, PartialEq)]
+pub(super) struct MemberLine<'t> {
+    pub name: Text<'t>,
+    pub comment: Option<Text<'t>>,
 }
 
 /// A piece of the file.
@@ -41,6 +50,30 @@ impl<'t> Text<'t> {
     /// The piece without blanks around it.
     pub fn trimmed(&self) -> Text<'t> {
         self.part(self.text.trim())
+    }
+
+    /// The parts between commas, those in parentheses left alone, each without blanks around it.
+    pub fn listed(&self) -> Vec<Text<'t>> {
+        let mut depth = 0usize;
+        let parts = self.text.split(|c| {
+            match c {
+                '(' => depth += 1,
+                ')' => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            c == ',' && depth == 0
+        });
+        parts.map(|part| self.part(part).trimmed()).collect()
+    }
+}
+
+impl Scanned<'_> {
+    /// Where the variable or member of that name is declared.
+    pub fn place(&self, name: &str) -> Option<Range<usize>> {
+        let members = self.members.iter().map(|member| &member.name);
+        let mut all = self.bindings.iter().chain(members);
+        all.find(|known| known.text == name)
+            .map(|found| found.span.clone())
     }
 }
 
@@ -70,18 +103,20 @@ pub(super) fn scan(text: &str) -> Scanned<'_> {
                 variable: None,
             }));
         }
-        if let Some(variable) = binding(code)
-            && let Some(text) = pending.take()
-        {
-            scanned.ports.push(PortComment {
+        if let Some(variable) = binding(code) {
+            scanned.bindings.push(whole.part(variable));
+            scanned.ports.extend(pending.take().map(|text| PortComment {
                 text,
                 variable: Some(variable),
-            });
+            }));
         }
-        if let (true, Some(comment), Some((name, _))) = (in_params, comment, code.split_once(':')) {
-            scanned
-                .members
-                .push((name.trim(), whole.part(comment).trimmed()));
+        if let (true, Some((name, _))) = (in_params, code.split_once(':')) {
+            // Attributes stand before the name.
+            let name = name.split_whitespace().next_back().unwrap_or(name);
+            scanned.members.push(MemberLine {
+                name: whole.part(name),
+                comment: comment.map(|comment| whole.part(comment).trimmed()),
+            });
         }
         in_params |= code.trim_start().starts_with("struct Params");
         in_params &= !code.contains('}');
@@ -110,13 +145,18 @@ mod tests {
 
     #[test]
     fn comments_are_found_where_they_mean_something() {
-        let text = "// Brightens.\n//   out = value\nstruct Params {\n    gain: f32, // 2.0; factor\n    seed: u32,\n}\n\
+        let text = "// Brightens.\n//   out = value\nstruct Params {\n    @align(16) gain: f32, // 2.0; factor\n    seed: u32,\n}\n\
                     // port value: any, any\n@group(0) @binding(1) var value: texture_2d<f32>;\n\
                     @group(0) @binding(2) var out_value: texture_2d<f32>; // port value: any, full\n// port lost: any\n";
         let scanned = scan(text);
         assert_eq!(scanned.head, ["Brightens.", "  out = value"]);
-        assert_eq!(scanned.members[0].0, "gain");
-        assert_eq!(&text[scanned.members[0].1.span.clone()], "2.0; factor");
+        let [gain, seed] = &scanned.members[..] else {
+            panic!("{:?}", scanned.members)
+        };
+        assert_eq!((gain.name.text, seed.name.text), ("gain", "seed"));
+        let comment = gain.comment.as_ref().unwrap();
+        assert_eq!(&text[comment.span.clone()], "2.0; factor");
+        assert_eq!(seed.comment, None);
         let ports: Vec<_> = scanned
             .ports
             .iter()
@@ -134,5 +174,21 @@ mod tests {
             &text[scanned.ports[1].text.span.clone()],
             "value: any, full"
         );
+        assert_eq!(&text[scanned.place("out_value").unwrap()], "out_value");
+        assert_eq!(scanned.place("gain"), Some(gain.name.span.clone()));
+        assert_eq!(scanned.place("value.format"), None);
+    }
+
+    #[test]
+    fn lists_keep_vectors_whole() {
+        let text = "radiance, full, first (0, 1, 2, 3)";
+        let whole = Text {
+            text,
+            span: 0..text.len(),
+        };
+        let parts = whole.listed();
+        let texts: Vec<_> = parts.iter().map(|part| part.text).collect();
+        assert_eq!(texts, ["radiance", "full", "first (0, 1, 2, 3)"]);
+        assert_eq!(&text[parts[1].span.clone()], "full");
     }
 }

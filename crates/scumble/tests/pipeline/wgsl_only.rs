@@ -80,6 +80,86 @@ fn a_graph_uses_a_file() {
     assert_eq!(rig.frame(3, "out")[5], [-304.0, -0.5, -9.0, 3.0]);
 }
 
+const SUM: &str = "// Adds up what it reads, frame after frame.
+//   out = value + past, or the greater of both
+struct Params {
+    mode: u32, // Add of Add | Greater; how the past is used
+    angle: f32, // 90 in 0..360, deg; only to be read back
+}
+@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(1) var value: texture_2d<f32>; // port value: any, full; what is added
+@group(0) @binding(2) var past: texture_2d<f32>; // port past: any, full, RULE; its own output, a frame ago
+@group(0) @binding(3) var out_value: texture_storage_2d<{{value.format}}, write>; // port value: any, full, precise if kept; the sum
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let a = textureLoad(value, id.xy, 0).r;
+    let b = textureLoad(past, id.xy, 0).r;
+    let v = select(a + b, max(a, b), params.mode == 1u);
+    textureStore(out_value, id.xy, vec4f(v, params.angle, 0.0, 1.0));
+}
+";
+
+fn summed(rule: &str, with: &str) -> Rig {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("sum.wgsl"), SUM.replace("RULE", rule)).unwrap();
+    let graph = format!(
+        r#"(
+            version: 1,
+            passes: [(use: "ramp"), (use: "./sum.wgsl", as: "s", with: ({with}), in: {{"value": "ramp.value", "past": "s.value@prev"}})],
+            outputs: {{"out": "s.value"}},
+        )"#
+    );
+    let path = folder.path().join("graph.ron");
+    std::fs::write(&path, graph).unwrap();
+    let mut registry = registry();
+    registry.set_wgsl_loader(wgsl_pass);
+    let resolved = resolve(&path, &registry, &Edits::default()).unwrap_or_else(|e| panic!("{e}"));
+    Rig::try_new(&registry, resolved, [4, 4]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn a_file_reads_its_own_past() {
+    let Some(_) = gpu() else { return };
+    // The texel (1, 1) of the ramp is 101.
+    for (rule, first) in [
+        ("first skip", 0.0),
+        ("first 5", 5.0),
+        ("first (7, 0, 0, 1)", 7.0),
+        ("first copy value", 101.0),
+    ] {
+        let mut rig = summed(rule, "");
+        assert_eq!(rig.frame(0, "out")[5][0], first + 101.0, "{rule}");
+        assert_eq!(rig.frame(1, "out")[5][0], first + 202.0, "{rule}");
+    }
+}
+
+#[test]
+fn a_file_has_choices_and_angles() {
+    let Some(_) = gpu() else { return };
+    let mut rig = summed("first 5", "mode: Greater, angle: 180");
+    assert_eq!(
+        rig.frame(0, "out")[5],
+        [101.0, std::f32::consts::PI, 0.0, 1.0]
+    );
+    rig.set("s.mode", Value::Choice("Add".to_owned()));
+    assert_eq!(rig.frame(1, "out")[5][0], 202.0);
+    let ty = wgsl_pass(
+        "sum.wgsl",
+        &SUM.replace("RULE", "first 0"),
+        &Registry::new(),
+    )
+    .unwrap();
+    assert_eq!(ty.params()[0].kind.to_string(), "one of Add, Greater");
+    let wrong = SUM
+        .replace("RULE", "first 0")
+        .replace("// Add of", "// Sub of");
+    let errors = wgsl_pass("sum.wgsl", &wrong, &Registry::new())
+        .err()
+        .unwrap();
+    assert_eq!(errors[0].message, "`mode` has no choice `Sub`");
+}
+
 #[test]
 fn mistakes_have_a_place() {
     let wrong = |from: &str, to: &str| {
@@ -110,7 +190,7 @@ fn mistakes_have_a_place() {
     );
     is(
         wrong(", optional", ", maybe"),
-        "a port cannot be `maybe`",
+        "an input cannot be `maybe`",
         "maybe",
     );
     is(
@@ -126,12 +206,66 @@ fn mistakes_have_a_place() {
     is(
         wrong("// (1.0, 0.5, 0.0); added", ""),
         "nothing fills the member `offset`, and it has no default",
-        "",
+        "offset",
     );
     is(
         wrong("false", "maybe"),
-        "the parameter `invert` has no default of its type",
+        "the parameter `invert` has no default of its type, u32: an integer, `true`, `false`, or one `of` several names",
         "maybe",
+    );
+    is(
+        wrong(
+            "invert: u32, // false",
+            "invert: u32, // false\n    tile: vec2u, // (1, 2); of mine",
+        ),
+        "the parameter `tile` has no default of its type, which no parameter has: those are f32, i32, u32 and vectors of f32",
+        "(1, 2); of mine",
+    );
+    is(
+        wrong(
+            "frame_index: u32,",
+            "frame_index: u32, // 3 in 0..9; of mine",
+        ),
+        "`frame_index` is what every shader can ask for",
+        "3 in 0..9; of mine",
+    );
+    is(
+        wrong("any, optional", "any, precise"),
+        "an input cannot be `precise`",
+        "precise",
+    );
+    is(
+        wrong("any, optional", "any, first half"),
+        "`half` is no rule for the first frame",
+        "first half",
+    );
+    is(
+        wrong("source moments", "first copy value"),
+        "in the first frame `weight` copies `value`, which is no input of its signal and resolution",
+        "weight: variance, any, optional, first copy value; how much",
+    );
+    is(
+        wrong("any; brighter", "any, optional; brighter"),
+        "an output cannot be `optional`",
+        "optional",
+    );
+    is(
+        wrong("textureLoad(weight, id.xy, 0).r", "0.0"),
+        "`main` never reads the input `weight`",
+        "weight",
+    );
+    is(
+        wrong(
+            "binding(2) var weight",
+            "binding(9) var<storage> list: array<f32>;\n// port weight: variance, any\n@group(0) @binding(2) var weight",
+        ),
+        "no binding follows this port",
+        "weight: variance, any",
+    );
+    is(
+        wrong("@group(0) @binding(2)", "@group(1) @binding(2)"),
+        "the binding `weight` is not in group 0, and a pass that is only WGSL binds no other",
+        "weight",
     );
     // Type errors are naga's words, at the author's place.
     let (message, at) = wrong("params.gain *", "params.gian *");
