@@ -15,7 +15,7 @@ use serde_json::json;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-pub fn run(args: &AblateArgs) -> Result<Verdict, Failure> {
+pub fn run(args: &AblateArgs, registry: &Registry) -> Result<Verdict, Failure> {
     match &args.verb {
         Some(AblateVerb::Merge(args)) => return put_together(args),
         Some(AblateVerb::Report(args)) => return report_again(&args.results),
@@ -28,14 +28,13 @@ pub fn run(args: &AblateArgs) -> Result<Verdict, Failure> {
         let quick = if args.quick { "-quick" } else { "" };
         PathBuf::from("results").join(format!("{}{quick}", experiment.name))
     });
-    let registry = scumble_passes::registry();
-    let plan = Plan::new(experiment, &registry);
+    let plan = Plan::new(experiment, registry);
     let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
     if let Some(baseline) = &baseline {
         baseline.check(&plan.design, &args.fail_above)?;
     }
     if args.dry_run {
-        return dry_run(args, &plan, &registry);
+        return dry_run(args, &plan, registry);
     }
     let gpu = open(args, &plan)?;
     folder::prepare(&folder)?;
@@ -57,7 +56,7 @@ pub fn run(args: &AblateArgs) -> Result<Verdict, Failure> {
         Event::Note(note) => progress.beside(|| report::note(note)),
         Event::Failed(failure) => progress.beside(|| report::error(failure)),
     };
-    let runner = Runner::new(&gpu, &registry, &plan, &folder, args.shard, &mut listener)?;
+    let runner = Runner::new(&gpu, registry, &plan, &folder, args.shard, &mut listener)?;
     let (index, spent) = runner.with_levers(levers).run()?;
     progress.finish();
     let results = Results::new(index, &folder);

@@ -21,13 +21,13 @@ pub enum Verb {
     /// Render frames of a scene with a graph
     #[command(after_help = levers::HELP)]
     Render(Box<RenderArgs>),
-    /// Report every mistake of graph files, or what they resolve to
+    /// Report every mistake of graph files, or what they resolve to, and of WGSL files that are passes
     #[command(after_help = levers::HELP)]
     Check(CheckArgs),
     /// Draw what a graph becomes: nodes, resources, compute passes, lifetimes. Needs no adapter
     #[command(after_help = levers::HELP)]
     Graph(GraphArgs),
-    /// List the passes, or tell all about one: ports, parameters, source
+    /// List the passes, or tell all about one, also of a WGSL file: ports, parameters, source
     Passes(PassesArgs),
     /// List what there is to render on, the best first
     Adapters(AdaptersArgs),
@@ -37,6 +37,9 @@ pub enum Verb {
     /// Denoise image sequences of any renderer with a graph that has inputs
     #[command(after_help = levers::HELP)]
     Denoise(Box<DenoiseArgs>),
+    /// Make a pass or a graph to start from
+    #[command(subcommand)]
+    New(NewVerb),
     /// Measure how far an image, or each of numbered frames, is from a reference
     Compare(CompareArgs),
     /// Run an experiment: pipelines compared at equal cost, with references, seeds and intervals
@@ -235,7 +238,7 @@ pub struct OptionalScene {
     pub changes: SceneChanges,
 }
 
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct SceneChanges {
     /// Replace every material
     #[arg(long, value_enum)]
@@ -253,7 +256,7 @@ pub enum Override {
 
 #[derive(Args)]
 pub struct CheckArgs {
-    /// The graph files
+    /// The graph files, and WGSL files that are passes
     #[arg(required = true)]
     pub graphs: Vec<PathBuf>,
     #[command(flatten)]
@@ -306,8 +309,13 @@ pub enum PlanFormat {
 
 #[derive(Args)]
 pub struct PassesArgs {
-    /// The pass to tell about
+    /// The pass to tell about: its name, or the path of a WGSL file that is one
     pub name: Option<String>,
+    /// Also run the conformance suite on it: any size, sky and holes, texels that are not finite, constant images
+    #[arg(long, requires = "name")]
+    pub test: bool,
+    #[command(flatten)]
+    pub adapter: AdapterArgs,
     /// Write JSON
     #[arg(long)]
     pub json: bool,
@@ -341,6 +349,29 @@ pub struct AdaptersArgs {
     /// Write JSON
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Subcommand)]
+pub enum NewVerb {
+    /// Make a filter: a crate with a program that has it beside all other passes, or one WGSL file
+    Pass(NewPassArgs),
+    /// Make a graph file that renders a scene
+    Graph(NewGraphArgs),
+}
+
+#[derive(Args)]
+pub struct NewPassArgs {
+    /// Its name: small letters, digits and hyphens
+    pub name: String,
+    /// Only a WGSL file: no Rust
+    #[arg(long)]
+    pub wgsl: bool,
+}
+
+#[derive(Args)]
+pub struct NewGraphArgs {
+    /// Its name: small letters, digits and hyphens
+    pub name: String,
 }
 
 #[derive(Subcommand)]

@@ -39,6 +39,15 @@ pub enum Failure {
     Denoise(#[from] crate::denoise::Problem),
     #[error("there is no pass `{name}`; {hint}")]
     UnknownPass { name: String, hint: String },
+    #[error("`{name}` breaks rules that every pass keeps; they are listed above")]
+    Rules { name: String },
+
+    #[error("`{name}` cannot be its name: {help}")]
+    BadName { name: String, help: String },
+    #[error("`{path}` is there already, and stays as it is", path = path.display())]
+    Exists { path: PathBuf },
+    #[error("a crate depends on the sources of Scumble, and they are no longer at `{path}`; --wgsl needs none", path = path.display())]
+    NoSources { path: PathBuf },
 
     #[error("`{graph}` renders a scene: give --scene FILE, or atrium, cornell, furnace or moving", graph = graph.display())]
     NoScene { graph: PathBuf },

@@ -74,10 +74,9 @@ pub fn refuse_parts(path: &Path, resolved: &Resolved) -> Result<(), Failure> {
     })
 }
 
-pub fn check(args: &CheckArgs) -> Result<(), Failure> {
+pub fn check(args: &CheckArgs, registry: &Registry) -> Result<(), Failure> {
     // Nothing is planned here; what `render` would refuse is refused.
     levers::read()?;
-    let registry = scumble_passes::registry();
     let adapter = match &args.adapter {
         Some(name) => Some(device::adapter(name.as_deref())?),
         None => None,
@@ -87,7 +86,23 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     let mut cannot_run = None;
     let mut reports = Vec::new();
     for path in &args.graphs {
-        let resolved = match resolve(path, &registry, &args.edits, None) {
+        // A pass that is only a file stands alone.
+        if path.extension().is_some_and(|e| e == "wgsl") {
+            match scumble::read_wgsl_pass(path, registry) {
+                Ok(pass) => {
+                    reports.push(json!({"file": path, "about": pass.about, "warnings": []}));
+                    if !args.json && !args.quiet {
+                        report::line(format_args!("{}: fine", path.display()));
+                    }
+                }
+                Err(diagnostics) => {
+                    reports.push(json!({"file": path, "errors": errors(&diagnostics)}));
+                    mistakes.extend(diagnostics);
+                }
+            }
+            continue;
+        }
+        let resolved = match resolve(path, registry, &args.edits, None) {
             Ok(resolved) => resolved,
             Err(diagnostics) => {
                 reports.push(json!({"file": path, "errors": errors(&diagnostics)}));

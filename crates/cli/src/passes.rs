@@ -1,15 +1,21 @@
 //! `scumble passes`: what there is to put into a graph.
 
-use crate::args::PassesArgs;
+use crate::args::{PassesArgs, SceneChanges};
+use crate::camera::CameraChoice;
 use crate::failure::Failure;
-use crate::report;
+use crate::{report, scene};
+use scumble::conformance::{Fixture, Outcome, Report, Rule, check_type};
 use scumble::{
-    Bypass, BypassKind, Filter, Needs, ParamDef, PassType, Port, PortSignal, Resolution,
+    Bypass, BypassKind, Filter, FrameInput, Needs, ParamDef, PassType, Port, PortSignal, Registry,
+    Resolution,
 };
+use scumble_lab::{Gpu, device};
+use scumble_scene::GpuScene;
 use serde_json::json;
+use std::path::Path;
+use std::sync::Arc;
 
-pub fn run(args: &PassesArgs) -> Result<(), Failure> {
-    let registry = scumble_passes::registry();
+pub fn run(args: &PassesArgs, registry: &Registry) -> Result<(), Failure> {
     let Some(name) = &args.name else {
         let mut passes: Vec<_> = registry.iter().collect();
         passes.sort_by_key(|pass| &pass.name);
@@ -23,22 +29,74 @@ pub fn run(args: &PassesArgs) -> Result<(), Failure> {
         }
         return Ok(());
     };
-    let Some(pass) = registry.get(name) else {
-        let hint = match registry.nearest(name) {
-            Some(nearest) => format!("did you mean `{nearest}`?"),
-            None => "`scumble passes` lists them".to_owned(),
-        };
-        return Err(Failure::UnknownPass {
-            name: name.clone(),
-            hint,
-        });
+    let pass = if name.ends_with(".wgsl") {
+        Arc::new(scumble::read_wgsl_pass(name, registry).map_err(Failure::Graph)?)
+    } else {
+        registered(name, registry)?
+    };
+    let report = match args.test {
+        true => Some(test(args, &pass, registry)?),
+        false => None,
     };
     if args.json {
-        report::json(&as_json(pass));
+        let mut told = as_json(&pass);
+        if let Some(report) = &report {
+            told["test"] = rules(report);
+        }
+        report::json(&told);
     } else {
-        report::line(as_text(pass).trim_end());
+        report::line(as_text(&pass).trim_end());
+        if let Some(report) = &report {
+            report::line(format_args!("\n{report}"));
+        }
     }
-    Ok(())
+    match report {
+        Some(report) if !report.passed() => Err(Failure::Rules { name: name.clone() }),
+        _ => Ok(()),
+    }
+}
+
+fn registered(name: &str, registry: &Registry) -> Result<Arc<PassType>, Failure> {
+    if let Some(pass) = registry.get(name) {
+        return Ok(pass.clone());
+    }
+    let hint = match registry.nearest(name) {
+        Some(nearest) => format!("did you mean `{nearest}`?"),
+        None => "`scumble passes` lists them".to_owned(),
+    };
+    Err(Failure::UnknownPass {
+        name: name.to_owned(),
+        hint,
+    })
+}
+
+/// The conformance suite; a pass that traces gets the Cornell box.
+fn test(args: &PassesArgs, pass: &Arc<PassType>, registry: &Registry) -> Result<Report, Failure> {
+    let adapter = device::adapter(args.adapter.adapter.as_deref())?;
+    let needs = pass.needs(&pass.defaults);
+    let gpu = Gpu::open(&adapter, needs.features & adapter.features())?;
+    let mut fixture = Fixture::new(&gpu.device, &gpu.queue);
+    if needs.host.contains(&"Scene") {
+        let scene = scene::load(Path::new("cornell"), &SceneChanges::default())?;
+        let scene = GpuScene::new(&gpu.device, &gpu.queue, Arc::new(scene))?;
+        fixture.input = FrameInput::still(CameraChoice::Number(0).of(scene.cameras())?);
+        fixture.host.insert("Scene", scene);
+    }
+    let report = check_type(registry, pass, &mut fixture);
+    gpu.check()?;
+    Ok(report)
+}
+
+fn rules(report: &Report) -> serde_json::Value {
+    let rule = |(rule, outcome): &(Rule, Outcome)| {
+        let (outcome, why) = match outcome {
+            Outcome::Passed => ("passed", Vec::new()),
+            Outcome::Skipped(why) => ("skipped", vec![why.clone()]),
+            Outcome::Failed(all) => ("failed", all.clone()),
+        };
+        json!({"rule": format!("{rule:?}"), "outcome": outcome, "why": why})
+    };
+    report.rules.iter().map(rule).collect()
 }
 
 fn signal(port: &Port) -> &'static str {

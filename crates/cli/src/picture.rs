@@ -4,16 +4,15 @@
 use crate::args::{GraphArgs, PlanFormat};
 use crate::failure::Failure;
 use crate::{folder, graph, levers, report, scene};
-use scumble::{FrameInput, Host, Pipeline};
+use scumble::{FrameInput, Host, Pipeline, Registry};
 use scumble_lab::Gpu;
 use scumble_scene::GpuScene;
 use std::path::Path;
 use std::sync::Arc;
 
-pub fn run(args: &GraphArgs) -> Result<(), Failure> {
+pub fn run(args: &GraphArgs, registry: &Registry) -> Result<(), Failure> {
     let levers = levers::read()?;
-    let registry = scumble_passes::registry();
-    let resolved = graph::resolve(&args.graph, &registry, &args.edits, args.max_bounces)
+    let resolved = graph::resolve(&args.graph, registry, &args.edits, args.max_bounces)
         .map_err(Failure::Graph)?;
     graph::refuse_parts(&args.graph, &resolved)?;
     let requirements = Pipeline::requirements(&resolved);
@@ -29,7 +28,7 @@ pub fn run(args: &GraphArgs) -> Result<(), Failure> {
         );
     }
     let (device, queue) = (&gpu.device, &gpu.queue);
-    let mut pipeline = Pipeline::new(device, queue, &registry, resolved, &host, args.size)?;
+    let mut pipeline = Pipeline::new(device, queue, registry, resolved, &host, args.size)?;
     *pipeline.debug() = levers;
     pipeline.keep_plan(true);
     for frame in 0..=args.frame {

@@ -11,9 +11,9 @@ use scumble::Registry;
 use scumble_lab::Measure;
 use serde_json::{Map, Value, json};
 
-pub fn run(args: &SchemaArgs) -> Result<(), Failure> {
+pub fn run(args: &SchemaArgs, registry: &Registry) -> Result<(), Failure> {
     report::json(&match args.of {
-        SchemaOf::Graph => graph(&scumble_passes::registry()),
+        SchemaOf::Graph => graph(registry),
         SchemaOf::Experiment => experiment(),
     });
     Ok(())

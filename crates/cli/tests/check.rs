@@ -63,6 +63,52 @@ fn check_json_has_typed_parameters() {
 }
 
 #[test]
+fn a_wgsl_file_is_checked_and_told() {
+    let place = Place::new(DIRECT);
+    let file = place.at("half.wgsl");
+    let shader = "// Halves an image.
+//   out = value / 2
+@group(0) @binding(0) var value: texture_2d<f32>; // port value: any, any; an image
+@group(0) @binding(1) var out_value: texture_storage_2d<{{value.format}}, write>; // port value: any, any; half of it
+@compute @workgroup_size(8, 8) fn main(@builtin(global_invocation_id) id: vec3u) {
+    textureStore(out_value, id.xy, 0.5 * textureLoad(value, id.xy, 0));
+}
+";
+    std::fs::write(&file, shader).unwrap();
+    let run = scumble(&["check", &place.graph, &file]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    assert!(run.out.ends_with("half.wgsl: fine\n"), "{}", run.out);
+    let run = scumble(&["passes", &file]);
+    let told = format!("{file}: Halves an image.\n\ninputs\n  value ");
+    assert_eq!(
+        (run.code, run.out.starts_with(&told)),
+        (0, true),
+        "{}",
+        run.out
+    );
+    // It does what it says, and it hands on what is not finite and darkens what it calls the same image.
+    let run = scumble(&["passes", &file, "--test"]);
+    assert_eq!(run.code, 2, "{}", run.out);
+    assert!(run.out.contains("FAILED  Constant"), "{}", run.out);
+    let message =
+        format!("error: `{file}` breaks rules that every pass keeps; they are listed above");
+    assert_eq!(text(&run.err), message);
+
+    std::fs::write(&file, shader.replace("0.5 *", "0.5 +* ")).unwrap();
+    for verb in ["check", "passes"] {
+        let run = scumble(&[verb, &file]);
+        assert_eq!((run.code, run.out.as_str()), (2, ""));
+        assert!(run.err.contains("half.wgsl:6:41\n"), "{}", run.err);
+    }
+    let run = scumble(&["check", &file, "--json"]);
+    let report: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    assert_eq!(report["errors"][0]["line"], 6);
+    let run = scumble(&["passes", "none.wgsl"]);
+    let message = "error: SC001: cannot read `none.wgsl`: there is no such file";
+    assert_eq!((run.code, text(&run.err)), (2, message.to_owned()));
+}
+
+#[test]
 fn passes_are_told() {
     let run = scumble(&["passes"]);
     let names: Vec<_> = run

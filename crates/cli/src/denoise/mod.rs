@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::{folder, graph, levers, progress, report};
 use frame::Frames;
 use plan::Plan;
-use scumble::{FrameInput, Host, Pipeline, Resolved};
+use scumble::{FrameInput, Host, Pipeline, Registry, Resolved};
 use scumble_lab::{Gpu, device, read_image, render_frame};
 use scumble_metrics::{write_exr, write_png};
 use serde_json::{Value, json};
@@ -26,11 +26,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use textures::Textures;
 
-pub fn run(args: &DenoiseArgs) -> Result<(), Failure> {
+pub fn run(args: &DenoiseArgs, registry: &Registry) -> Result<(), Failure> {
     let levers = levers::read()?;
-    let registry = scumble_passes::registry();
     let resolved =
-        graph::resolve(&args.graph, &registry, &args.edits, None).map_err(Failure::Graph)?;
+        graph::resolve(&args.graph, registry, &args.edits, None).map_err(Failure::Graph)?;
     check(args, &resolved)?;
     let plan = Plan::new(args, &resolved)?;
     let size = frame::size(&plan, &resolved.inputs)?;
@@ -49,7 +48,7 @@ pub fn run(args: &DenoiseArgs) -> Result<(), Failure> {
     let gpu = Gpu::open(&adapter, requirements.features)?;
     let inputs = resolved.inputs.clone();
     let mut host = Host::new();
-    let mut pipeline = Pipeline::new(&gpu.device, &gpu.queue, &registry, resolved, &host, size)?;
+    let mut pipeline = Pipeline::new(&gpu.device, &gpu.queue, registry, resolved, &host, size)?;
     gpu.check()?;
     *pipeline.debug() = levers;
     let lost = pipeline.device_lost_handler();

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::{graph, levers, progress, report, scene};
 use indicatif::ProgressBar;
 use output::Targets;
-use scumble::{Camera, FrameInput, Host, Pipeline, Requirements, Resolved};
+use scumble::{Camera, FrameInput, Host, Pipeline, Registry, Requirements, Resolved};
 use scumble_lab::{Gpu, device, read_image, render_frame};
 use scumble_metrics::Image;
 use scumble_scene::GpuScene;
@@ -19,10 +19,9 @@ use stats::Stats;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-pub fn run(args: &RenderArgs) -> Result<(), Failure> {
+pub fn run(args: &RenderArgs, registry: &Registry) -> Result<(), Failure> {
     let levers = levers::read()?;
-    let registry = scumble_passes::registry();
-    let resolved = graph::resolve(&args.graph, &registry, &args.edits, args.max_bounces)
+    let resolved = graph::resolve(&args.graph, registry, &args.edits, args.max_bounces)
         .map_err(Failure::Graph)?;
     graph::refuse_parts(&args.graph, &resolved)?;
     let targets = targets(args, &resolved)?;
@@ -49,7 +48,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let pipeline = Pipeline::new(
         &gpu.device,
         &gpu.queue,
-        &registry,
+        registry,
         resolved,
         &host,
         args.size,

@@ -20,6 +20,12 @@ pub fn scumble(args: &[&str]) -> Run {
     run(Command::new(env!("CARGO_BIN_EXE_scumble")).args(args))
 }
 
+/// In a folder of its own.
+pub fn in_folder(folder: &Path, args: &[&str]) -> Run {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scumble"));
+    run(command.args(args).current_dir(folder))
+}
+
 /// With the Vulkan loader pointed at no driver, as on a machine that has none.
 pub fn without_driver(args: &[&str]) -> Run {
     let mut command = Command::new(env!("CARGO_BIN_EXE_scumble"));

@@ -2,7 +2,18 @@
 //!
 //! Exit code 0 when all went well, 1 when `compare` or `ablate` found more than was allowed, 2 with a message on the
 //! standard error otherwise.
+//!
+//! It is a library, so that others make a program with their own passes beside those of the repository:
+//!
+//! ```no_run
+//! fn main() -> std::process::ExitCode {
+//!     let mut registry = scumble_passes::registry();
+//!     // registry.add::<MyPass>();
+//!     scumble_cli::main_with(registry)
+//! }
+//! ```
 #![forbid(unsafe_code)]
+#![warn(missing_docs)]
 
 mod ablate;
 mod adapters;
@@ -14,6 +25,7 @@ mod failure;
 mod folder;
 mod graph;
 mod levers;
+mod new;
 mod passes;
 mod picture;
 mod progress;
@@ -25,6 +37,8 @@ mod schema;
 use args::{Cli, Verb};
 use clap::{CommandFactory, Parser};
 use failure::Failure;
+use scumble::Registry;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
 
 /// What a verb that did its work has to say through the exit code.
@@ -36,7 +50,8 @@ enum Verdict {
     Incomplete,
 }
 
-fn main() -> ExitCode {
+/// Runs the program on the arguments of this process, with the passes, signals and WGSL modules of `registry`.
+pub fn main_with(registry: Registry) -> ExitCode {
     let cli = Cli::parse();
     // A panic is a mistake of this program; it, too, is one message and exit code 2.
     std::panic::set_hook(Box::new(|panic| {
@@ -44,7 +59,8 @@ fn main() -> ExitCode {
             "this is a mistake in scumble, please report it: {panic}"
         ));
     }));
-    match std::panic::catch_unwind(|| run(&cli.verb)) {
+    // Nothing is looked at after a panic that it could have left half done.
+    match catch_unwind(AssertUnwindSafe(|| run(&cli.verb, &registry))) {
         Ok(Ok(Verdict::Fine)) => ExitCode::SUCCESS,
         Ok(Ok(Verdict::Exceeded)) => ExitCode::from(1),
         Ok(Ok(Verdict::Incomplete)) => ExitCode::from(2),
@@ -56,18 +72,19 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(verb: &Verb) -> Result<Verdict, Failure> {
+fn run(verb: &Verb, registry: &Registry) -> Result<Verdict, Failure> {
     let done = match verb {
         Verb::Compare(args) => return compare::run(args),
-        Verb::Ablate(args) => return ablate::run(args),
-        Verb::Render(args) => render::run(args),
-        Verb::Denoise(args) => denoise::run(args),
-        Verb::Check(args) => graph::check(args),
-        Verb::Graph(args) => picture::run(args),
-        Verb::Passes(args) => passes::run(args),
+        Verb::Ablate(args) => return ablate::run(args, registry),
+        Verb::Render(args) => render::run(args, registry),
+        Verb::Denoise(args) => denoise::run(args, registry),
+        Verb::Check(args) => graph::check(args, registry),
+        Verb::Graph(args) => picture::run(args, registry),
+        Verb::Passes(args) => passes::run(args, registry),
         Verb::Adapters(args) => adapters::run(args),
+        Verb::New(verb) => new::run(verb, registry),
         Verb::Scene(verb) => scene::run(verb),
-        Verb::Schema(args) => schema::run(args),
+        Verb::Schema(args) => schema::run(args, registry),
         Verb::Completions(args) => {
             let mut command = Cli::command();
             clap_complete::generate(args.shell, &mut command, "scumble", &mut std::io::stdout());
