@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
-use scumble::{Edits, FrameInput, Host, Pipeline, readback, resolve};
+use scumble::{Edits, FrameInput, Host, Pipeline, Value, readback, resolve, resolve_text};
 use scumble_scene::{GpuScene, builtin};
-use scumble_tests::{gpu, graph_file, scene_camera};
+use scumble_tests::{gpu, graph_file, graph_files, scene_camera};
 
 const SIZE: [u32; 2] = [32, 24];
 
@@ -150,4 +150,158 @@ fn a_pipeline_renders_into_the_frame_of_its_host() {
         }
     }
     assert!(lit > 100, "only {lit} pixels of the box are lit");
+}
+
+/// A device that executes nothing, and its adapter.
+fn noop() -> (wgpu::Adapter, wgpu::Device, wgpu::Queue) {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::NOOP;
+    descriptor.backend_options.noop = wgpu::NoopBackendOptions::enabled();
+    let instance = wgpu::Instance::new(descriptor);
+    let adapter = pollster::block_on(instance.request_adapter(&Default::default())).unwrap();
+    let limits = wgpu::DeviceDescriptor {
+        required_limits: adapter.limits(),
+        ..Default::default()
+    };
+    let (device, queue) = pollster::block_on(adapter.request_device(&limits)).unwrap();
+    (adapter, device, queue)
+}
+
+#[test]
+fn a_host_asks_before_and_changes_afterwards() -> Result<(), Box<dyn std::error::Error>> {
+    let registry = scumble_passes::registry();
+    let graph = resolve(graph_file("direct-only.ron"), &registry, &Edits::default())?;
+    let (adapter, ..) = noop();
+    let needs = Pipeline::requirements(&graph);
+    assert_eq!(needs.host, ["Scene"]);
+    needs.check_adapter(&adapter)?;
+    let descriptor = wgpu::DeviceDescriptor {
+        required_features: needs.features,
+        required_limits: adapter.limits(),
+        ..Default::default()
+    };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))?;
+    let scene = Arc::new(builtin("cornell").unwrap());
+    let mut host = Host::new();
+    host.insert("Scene", GpuScene::new(&device, &queue, scene)?);
+    let mut pipeline = Pipeline::new(&device, &queue, &registry, graph, &host, SIZE)?;
+    let mut encoder = device.create_command_encoder(&Default::default());
+    pipeline.set_param("tonemap.ev", Value::Float(1.5))?;
+    pipeline.tap("direct-lighting.radiance")?;
+    pipeline.render(&mut encoder, &FrameInput::default(), &mut host)?;
+    let tapped = pipeline.tapped("direct-lighting.radiance").unwrap();
+    assert_eq!([tapped.width(), tapped.height()], SIZE);
+    Ok(())
+}
+
+#[test]
+fn a_wrong_image_of_the_host_is_refused_with_what_would_be_right() {
+    let (_, device, queue) = noop();
+    let registry = scumble_passes::registry();
+    let graph = r#"(
+        version: 1,
+        inputs: {"image": (signal: radiance, resolution: full), "normal": (signal: normal, resolution: full)},
+        passes: [(use: "tonemap", in: {"radiance": "image"})],
+        outputs: {"display": "tonemap.color"},
+    )"#;
+    let graph = resolve_text("fed.ron", graph, &registry, &Edits::default()).unwrap();
+    let mut host = Host::new();
+    let mut pipeline = Pipeline::new(&device, &queue, &registry, graph, &host, SIZE).unwrap();
+    let texture = |format, [width, height]: [u32; 2], usage| {
+        device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        })
+    };
+    let bound = wgpu::TextureUsages::TEXTURE_BINDING;
+    let small = texture(wgpu::TextureFormat::R8Unorm, SIZE, bound);
+    let refused = pipeline.bind_input("image", &small).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "graph input `image`: it carries radiance, which is Rgba16Float, and not R8Unorm"
+    );
+    let half = wgpu::TextureFormat::Rgba16Float;
+    let target = texture(half, SIZE, wgpu::TextureUsages::RENDER_ATTACHMENT);
+    let refused = pipeline.bind_input("image", &target).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "graph input `image`: the texture lacks the usage TEXTURE_BINDING"
+    );
+    let refused = pipeline.bind_input("imgae", &target).unwrap_err();
+    assert!(
+        refused.to_string().ends_with("did you mean `image`?"),
+        "{refused}"
+    );
+
+    let mut render = |pipeline: &mut Pipeline| {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let rendered = pipeline.render(&mut encoder, &FrameInput::default(), &mut host);
+        rendered.map_err(|error| error.to_string())
+    };
+    let missing = "graph input `image`: no texture is bound to it";
+    assert_eq!(render(&mut pipeline).unwrap_err(), missing);
+    let normal = texture(wgpu::TextureFormat::R32Uint, SIZE, bound);
+    pipeline.bind_input("normal", &normal).unwrap();
+    pipeline
+        .bind_input("image", &texture(half, [9, 9], bound))
+        .unwrap();
+    let wrong = "graph input `image`: the texture is 9x9, and must be 32x24";
+    assert_eq!(render(&mut pipeline).unwrap_err(), wrong);
+    pipeline
+        .bind_input("image", &texture(half, SIZE, bound))
+        .unwrap();
+    assert_eq!(render(&mut pipeline), Ok(()));
+}
+
+/// What the pipeline adds to a frame would be copies of what is kept, clears of what has no past yet, and changes of
+/// resolution: there are none once the first frames are over.
+#[test]
+fn a_frame_is_the_passes_of_its_graph() {
+    let (_, device, queue) = noop();
+    let registry = scumble_passes::registry();
+    let scene = Arc::new(builtin("cornell").unwrap());
+    let mut host = Host::new();
+    host.insert("Scene", GpuScene::new(&device, &queue, scene).unwrap());
+    let mut seen = 0;
+    for file in graph_files() {
+        let graph = resolve(&file, &registry, &Edits::default()).unwrap();
+        // The rest are parts of others.
+        if !graph.inputs.is_empty() {
+            continue;
+        }
+        let mut pipeline = Pipeline::new(&device, &queue, &registry, graph, &host, SIZE).unwrap();
+        pipeline.keep_plan(true);
+        for frame in 0..3 {
+            let mut encoder = device.create_command_encoder(&Default::default());
+            let input = FrameInput {
+                frame,
+                ..FrameInput::default()
+            };
+            pipeline.render(&mut encoder, &input, &mut host).unwrap();
+            queue.submit([encoder.finish()]);
+        }
+        for node in &pipeline.plan().unwrap().nodes {
+            let (pass, what) = node.name.rsplit_once('/').unwrap();
+            let ours = ["keep ", "resample ", "first frame"];
+            assert!(
+                pipeline.resolved().pass(pass).is_some()
+                    && ours.iter().all(|o| !what.starts_with(o)),
+                "{}: {} is of no pass",
+                file.display(),
+                node.name
+            );
+            seen += 1;
+        }
+    }
+    assert!(seen > 100, "only {seen} nodes were seen");
 }

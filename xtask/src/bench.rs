@@ -43,6 +43,9 @@ const GRAPH: &str = "framegraph";
 /// The benchmark of the error metrics.
 const METRICS: &str = "metrics";
 
+/// The benchmark of what a pipeline adds to the frame graph.
+const PIPELINE: &str = "pipeline";
+
 /// Frames rendered, and how many at the start are left out: they compile the shaders and make the
 /// resources.
 const FRAMES: usize = 7;
@@ -52,13 +55,14 @@ const WARM_UP: usize = 2;
 pub fn run(name: Option<&str>) -> Done {
     let graph = name.is_none_or(|n| n == GRAPH);
     let metrics = name.is_none_or(|n| n == METRICS);
+    let pipeline = name.is_none_or(|n| n == PIPELINE);
     let chosen: Vec<_> = BENCHES
         .iter()
         .filter(|b| name.is_none_or(|n| n == b.name))
         .collect();
-    if chosen.is_empty() && !graph && !metrics {
+    if chosen.is_empty() && !graph && !metrics && !pipeline {
         let known = BENCHES.iter().map(|b| b.name);
-        let known: Vec<_> = known.chain([GRAPH, METRICS]).collect();
+        let known: Vec<_> = known.chain([GRAPH, METRICS, PIPELINE]).collect();
         let name = name.unwrap_or_default();
         return Err(failure(format!(
             "no benchmark '{name}'; there are {}",
@@ -76,7 +80,7 @@ pub fn run(name: Option<&str>) -> Done {
         ];
         command::run(cargo(&[&args[..], &["--example", "time"]].concat()))?;
     }
-    if chosen.is_empty() && !graph {
+    if chosen.is_empty() && !graph && !pipeline {
         return Ok(());
     }
     setup::run()?;
@@ -92,6 +96,11 @@ pub fn run(name: Option<&str>) -> Done {
             let args = ["run", "--quiet", "--release", "--package", GRAPH];
             command::run(cargo(&[&args[..], &["--example", example]].concat()))?;
         }
+    }
+    if pipeline {
+        println!("\n{PIPELINE}: CPU time of a pipeline beside the frame graph alone");
+        let args = ["run", "--quiet", "--release", "--package", "scumble-cli"];
+        command::run(cargo(&[&args[..], &["--example", "cost"]].concat()))?;
     }
     for bench in chosen {
         println!("\n{}: {}", bench.name, bench.about);
