@@ -11,12 +11,13 @@ type Step = (&'static str, fn() -> Done);
 
 /// Everything but the demo, each step timed.
 pub fn ci() -> Done {
-    let steps: [Step; 5] = [
+    let steps: [Step; 6] = [
         ("format", || run(cargo(&["fmt", "--all", "--check"]))),
         ("lints", lints),
         ("documentation", documentation),
         ("tests", || test(false)),
         ("graphs", graphs),
+        ("plugins", plugins),
     ];
     let mut summary = Vec::new();
     for (name, step) in steps {
@@ -222,6 +223,66 @@ fn denoise(graphs: &[(String, String)], into: &Path) -> Done {
         run(denoise)?;
     }
     Ok(())
+}
+
+/// Builds and tests the passes of others: the example, which lies outside the workspace, and what `scumble new pass` makes.
+fn plugins() -> Done {
+    let example = root().join("examples/custom_pass");
+    // The versions are the workspace's, so that its dependencies are there already.
+    let cannot = |e: std::io::Error| failure(format!("examples/custom_pass/Cargo.lock: {e}"));
+    std::fs::copy(root().join("Cargo.lock"), example.join("Cargo.lock")).map_err(cannot)?;
+    tested(&example)?;
+
+    let into = root().join("target/ci/new");
+    let cannot = |e: std::io::Error| failure(format!("{}: {e}", into.display()));
+    if into.exists() {
+        std::fs::remove_dir_all(&into).map_err(cannot)?;
+    }
+    std::fs::create_dir_all(&into).map_err(cannot)?;
+    let manifest = root().join("Cargo.toml").display().to_string();
+    let scumble = [
+        "run",
+        "--quiet",
+        "--manifest-path",
+        &manifest,
+        "--package",
+        "scumble-cli",
+        "--",
+    ];
+    run(cargo_in(
+        &into,
+        &[&scumble[..], &["new", "pass", "own-filter"]].concat(),
+    ))?;
+    tested(&into.join("own-filter"))
+}
+
+fn tested(folder: &Path) -> Done {
+    run(cargo_in(folder, &["fmt", "--check"]))?;
+    run(cargo_in(folder, &["test", "--quiet"]))
+}
+
+/// Cargo in another folder, with what it builds beside what is built already. There, the crates of the workspace are dependencies:
+/// they are compiled once more, so as fast as can be.
+fn cargo_in(folder: &Path, args: &[&str]) -> Command {
+    let crates = [
+        "framegraph",
+        "scumble",
+        "scumble-scene",
+        "scumble-metrics",
+        "scumble-lab",
+        "scumble-passes",
+        "scumble-cli",
+    ];
+    let mut command = cargo(&[]);
+    for name in crates {
+        command.args([
+            "--config",
+            &format!("profile.dev.package.{name}.opt-level=0"),
+        ]);
+    }
+    command.args(args).current_dir(folder);
+    command.env("CARGO_TARGET_DIR", root().join("target"));
+    command
 }
 
 fn graph_files(folder: &Path) -> Done<Vec<PathBuf>> {

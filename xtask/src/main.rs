@@ -38,7 +38,7 @@ enum Chore {
     },
     /// Make sure that there is a graphics adapter; install a software Vulkan driver if there is none
     Setup,
-    /// What a change must pass: format, lints, documentation, tests, and every graph file
+    /// What a change must pass: format, lints, documentation, tests, every graph file, and passes of others
     Ci,
 }
 
