@@ -1,6 +1,6 @@
 //! Image files as what they hold: every channel, by its name.
 
-use crate::read::{EXTENSIONS, extension};
+use crate::read::{EXTENSIONS, exr_file, extension};
 use crate::{MetricsError, write_atomic};
 use image::ImageFormat;
 use std::io::Cursor;
@@ -93,15 +93,7 @@ fn of_image(image: &crate::Image, encoded: bool) -> Channels {
 }
 
 fn of_exr(bytes: &[u8]) -> Result<Channels, String> {
-    use exr::prelude::{ReadChannels, ReadLayers};
-    let file = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(|e| e.to_string())?;
+    let file = exr_file(bytes)?;
     let window = file.attributes.display_window;
     let (width, height) = (window.size.width(), window.size.height());
     let mut list = Vec::new();

@@ -46,7 +46,7 @@ impl Plane {
 }
 
 /// out += weight * row, which the compiler turns into vector code.
-fn add_scaled(out: &mut [f64], row: &[f64], weight: f64) {
+pub(crate) fn add_scaled(out: &mut [f64], row: &[f64], weight: f64) {
     for (o, v) in out.iter_mut().zip(row) {
         *o += weight * v;
     }

@@ -77,16 +77,21 @@ pub(crate) fn decoded(bytes: &[u8], format: ImageFormat) -> Result<Image, String
     })
 }
 
-fn exr_image(bytes: &[u8]) -> Result<Image, String> {
+/// Every channel of every part of a file, but deep data.
+pub(crate) fn exr_file(bytes: &[u8]) -> Result<exr::prelude::FlatImage, String> {
     use exr::prelude::{ReadChannels, ReadLayers};
-    let file = exr::prelude::read()
+    exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
         .all_channels()
         .all_layers()
         .all_attributes()
         .from_buffered(Cursor::new(bytes))
-        .map_err(|e| e.to_string())?;
+        .map_err(|e| e.to_string())
+}
+
+fn exr_image(bytes: &[u8]) -> Result<Image, String> {
+    let file = exr_file(bytes)?;
     let candidates = || {
         file.layer_data.iter().flat_map(|layer| {
             let names = layer.channel_data.list.iter().map(|c| c.name.to_string());

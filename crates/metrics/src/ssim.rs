@@ -9,7 +9,7 @@
 //! `structural_similarity(gaussian_weights=True, sigma=1.5, use_sample_covariance=False)` gives.
 
 use crate::image::check_pair;
-use crate::plane::Plane;
+use crate::plane::{Plane, add_scaled};
 use crate::{ErrorMap, Image, MetricsError, luminance};
 use rayon::prelude::*;
 
@@ -49,12 +49,15 @@ pub(crate) fn ssim_map(image: &Image, reference: &Image) -> Result<ErrorMap, Met
     let (width, height) = (image.width as usize, image.height as usize);
     let mut data = vec![1.0; width * height];
     for c in 0..3 {
-        let windows = Windows::of(&image.channel(c), &reference.channel(c));
+        let (x, r) = (image.channel(c), reference.channel(c));
+        let rows = Windows::of(&x, &r).rows(|row| -> Vec<f64> {
+            let factors = row.factors();
+            factors.map(|[light, contrast]| light * contrast).collect()
+        });
         data.par_iter_mut().enumerate().for_each(|(i, error)| {
             let x = (i % width).clamp(BORDER, width - 1 - BORDER);
             let y = (i / width).clamp(BORDER, height - 1 - BORDER);
-            let [light, contrast] = windows.factors(y * width + x);
-            *error -= light * contrast / 3.0;
+            *error -= rows[y - BORDER][x - BORDER] / 3.0;
         });
     }
     Ok(ErrorMap {
@@ -83,43 +86,24 @@ pub(crate) fn check_size(
     Ok(())
 }
 
-/// Means of x, r, x², r² and xr under the window around each pixel.
-pub(crate) struct Windows {
-    mu_x: Plane,
-    mu_r: Plane,
-    xx: Plane,
-    rr: Plane,
-    xr: Plane,
+/// The windows that lie inside two planes of one size, row by row: nothing as large as the planes is made.
+pub(crate) struct Windows<'a> {
+    x: &'a Plane,
+    r: &'a Plane,
+    weights: [f64; TAPS],
 }
 
-impl Windows {
-    pub fn of(x: &Plane, r: &Plane) -> Windows {
-        let weights = gaussian();
-        let mean = |g: fn(f64, f64) -> f64| {
-            let pairs = x.data.par_iter().zip(&r.data);
-            let data = pairs.map(|(&x, &r)| g(x, r)).collect();
-            let plane = Plane { data, ..*x };
-            plane.filter_rows(&weights).filter_columns(&weights)
-        };
-        Windows {
-            mu_x: mean(|x, _| x),
-            mu_r: mean(|_, r| r),
-            xx: mean(|x, _| x * x),
-            rr: mean(|_, r| r * r),
-            xr: mean(|x, r| x * r),
-        }
-    }
+/// Of a row of windows: sums over columns of x, r, x², r², xr, and then over both.
+#[derive(Default)]
+struct Row {
+    columns: [Vec<f64>; 5],
+    means: [Vec<f64>; 5],
+}
 
-    /// The two factors of SSIM at a pixel: of the means, and of contrast and structure.
-    fn factors(&self, i: usize) -> [f64; 2] {
-        let (mx, mr) = (self.mu_x.data[i], self.mu_r.data[i]);
-        let vx = self.xx.data[i] - mx * mx;
-        let vr = self.rr.data[i] - mr * mr;
-        let cov = self.xr.data[i] - mx * mr;
-        [
-            (2.0 * mx * mr + C1) / (mx * mx + mr * mr + C1),
-            (2.0 * cov + C2) / (vx + vr + C2),
-        ]
+impl<'a> Windows<'a> {
+    pub fn of(x: &'a Plane, r: &'a Plane) -> Windows<'a> {
+        let weights = gaussian();
+        Windows { x, r, weights }
     }
 
     pub fn mean_ssim(&self) -> f64 {
@@ -130,18 +114,68 @@ impl Windows {
         self.mean(|[_, contrast]| contrast)
     }
 
-    /// The mean over the positions where the window lies inside the image.
+    /// The mean over the windows.
     fn mean(&self, f: impl Fn([f64; 2]) -> f64 + Sync) -> f64 {
-        let width = self.mu_x.width;
-        let height = self.mu_x.data.len() / width;
-        let rows: Vec<f64> = (BORDER..height - BORDER)
-            .into_par_iter()
-            .map(|y| {
-                let row = y * width + BORDER..(y + 1) * width - BORDER;
-                row.map(|i| f(self.factors(i))).sum()
-            })
-            .collect();
-        rows.iter().sum::<f64>() / ((width - 2 * BORDER) * (height - 2 * BORDER)) as f64
+        let rows = self.rows(|row| row.factors().map(&f).sum::<f64>());
+        let width = self.x.width - 2 * BORDER;
+        rows.iter().sum::<f64>() / (width * rows.len()) as f64
+    }
+
+    /// What something makes of each row of windows, from the top.
+    fn rows<T: Send>(&self, each: impl Fn(&Row) -> T + Sync) -> Vec<T> {
+        let height = self.x.data.len() / self.x.width;
+        let of_row = |row: &mut Row, y: usize| {
+            self.find(row, y);
+            each(row)
+        };
+        let rows = (0..height - 2 * BORDER).into_par_iter();
+        rows.map_init(Row::default, of_row).collect()
+    }
+
+    /// Fills in the windows whose first row is y.
+    fn find(&self, row: &mut Row, y: usize) {
+        let width = self.x.width;
+        let all = row.columns.iter_mut().map(|sums| (sums, width));
+        let means = row.means.iter_mut().map(|sums| (sums, width - 2 * BORDER));
+        for (sums, length) in all.chain(means) {
+            sums.clear();
+            sums.resize(length, 0.0);
+        }
+        let [sx, sr, sxx, srr, sxr] = &mut row.columns;
+        for (k, w) in self.weights.into_iter().enumerate() {
+            let [x, r] = [self.x, self.r].map(|plane| &plane.data[(y + k) * width..][..width]);
+            let sums = sx.iter_mut().zip(sr.iter_mut()).zip(sxx.iter_mut());
+            let sums = sums.zip(srr.iter_mut()).zip(sxr.iter_mut());
+            for (((((sx, sr), sxx), srr), sxr), (&x, &r)) in sums.zip(x.iter().zip(r)) {
+                let (wx, wr) = (w * x, w * r);
+                *sx += wx;
+                *sr += wr;
+                *sxx += wx * x;
+                *srr += wr * r;
+                *sxr += wx * r;
+            }
+        }
+        for (mean, columns) in row.means.iter_mut().zip(&row.columns) {
+            for (k, &weight) in self.weights.iter().enumerate() {
+                add_scaled(mean, &columns[k..], weight);
+            }
+        }
+    }
+}
+
+impl Row {
+    /// The two factors of SSIM of each window: of the means, and of contrast and structure.
+    fn factors(&self) -> impl Iterator<Item = [f64; 2]> {
+        let [mx, mr, xx, rr, xr] = &self.means;
+        let means = mx.iter().zip(mr);
+        let squares = xx.iter().zip(rr).zip(xr);
+        means.zip(squares).map(|((&mx, &mr), ((xx, rr), xr))| {
+            let (vx, vr, cov) = (xx - mx * mx, rr - mr * mr, xr - mx * mr);
+            [
+                (2.0 * mx * mr + C1) / (mx * mx + mr * mr + C1),
+                (2.0 * cov + C2) / (vx + vr + C2),
+            ]
+        })
     }
 }
 
