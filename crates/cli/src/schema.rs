@@ -222,18 +222,7 @@ fn experiment() -> Value {
         "metrics": some_of(json!({"enum": metrics})),
         "size": {"type": "array", "items": count("Pixels"), "minItems": 2, "maxItems": 2},
     });
-    let quick = [
-        "scenes",
-        "compare",
-        "ablate",
-        "sweep",
-        "camera",
-        "seeds",
-        "reference",
-        "metrics",
-        "size",
-    ];
-    let quick: Map<String, Value> = quick
+    let quick: Map<String, Value> = scumble_lab::Experiment::QUICK
         .iter()
         .map(|name| ((*name).to_owned(), properties[name].clone()))
         .collect();

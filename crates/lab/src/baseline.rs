@@ -189,6 +189,10 @@ impl Baseline {
                     "samples per pixel of a reference",
                     d.reference_samples.to_string(),
                 ),
+                (
+                    "source of references",
+                    d.reference_files.clone().unwrap_or("rendered".to_owned()),
+                ),
             ]
         };
         for ((what, before), (_, now)) in facts(before).into_iter().zip(facts(design)) {

@@ -241,8 +241,8 @@ impl Plan {
             self.frames(),
             large(runs)
         );
-        let _ = match &self.experiment.reference.files {
-            Some(files) => writeln!(text, "references from `{}`", files.value),
+        let _ = match &d.reference_files {
+            Some(files) => writeln!(text, "references from `{files}`"),
             None => writeln!(
                 text,
                 "and {} for references ({} per pixel)",

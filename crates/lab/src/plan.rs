@@ -71,8 +71,11 @@ pub struct Design {
     /// Milliseconds that a frame is to take, if that is set.
     #[serde(default)]
     pub equal_time: Option<f64>,
-    /// Paths per pixel of a reference.
+    /// Paths per pixel of a reference that is rendered.
     pub reference_samples: u32,
+    /// Where references come from that are not rendered, as the experiment writes it.
+    #[serde(default)]
+    pub reference_files: Option<String>,
 }
 
 /// A camera path.
@@ -434,6 +437,7 @@ fn design(
             _ => None,
         },
         reference_samples: experiment.reference.samples,
+        reference_files: experiment.reference.files.as_ref().map(|f| f.value.clone()),
     }
 }
 

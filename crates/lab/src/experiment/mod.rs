@@ -226,6 +226,19 @@ impl Measure {
 }
 
 impl Experiment {
+    /// The fields that `quick` may change.
+    pub const QUICK: &[&str] = &[
+        "scenes",
+        "compare",
+        "ablate",
+        "sweep",
+        "camera",
+        "seeds",
+        "reference",
+        "metrics",
+        "size",
+    ];
+
     /// Reads a file; with `quick` as its field `quick` changes it.
     ///
     /// # Errors

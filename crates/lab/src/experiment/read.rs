@@ -36,19 +36,6 @@ const NEEDED: [(&str, &str); 7] = [
     ("size", "`size: (240, 135)`"),
 ];
 
-/// Those that `quick` may change.
-const QUICK: &[&str] = &[
-    "scenes",
-    "compare",
-    "ablate",
-    "sweep",
-    "camera",
-    "seeds",
-    "reference",
-    "metrics",
-    "size",
-];
-
 /// Most factors of a factorial design.
 const MOST_FACTORS: usize = 6;
 
@@ -132,7 +119,9 @@ fn fields(
         // Its mistakes are found in either case.
         Some((_, node)) => {
             let mut changed = experiment.clone();
-            for (name, node) in node.expect_fields("a quick form", QUICK, diagnostics)? {
+            for (name, node) in
+                node.expect_fields("a quick form", Experiment::QUICK, diagnostics)?
+            {
                 field(&mut changed, &name.value, &node, diagnostics);
             }
             check(&changed, node, diagnostics);

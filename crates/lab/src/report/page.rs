@@ -59,9 +59,14 @@ fn facts(results: &Results) -> Markup {
     let d = &results.design;
     let cameras = d.cameras.iter();
     let cameras = cameras.map(|c| format!("{} ({} frames)", c.name, c.frames));
-    let budget = match d.equal_rays {
-        Some(paths) => format!("equal rays, {paths} paths per pixel and frame"),
-        None => "none".to_owned(),
+    let budget = match (d.equal_rays, d.equal_time) {
+        (Some(paths), _) => format!("equal rays, {paths} paths per pixel and frame"),
+        (None, Some(ms)) => format!("equal time, {ms} ms per frame"),
+        (None, None) => "none".to_owned(),
+    };
+    let references = match &d.reference_files {
+        Some(files) => files.clone(),
+        None => format!("{} paths per pixel", d.reference_samples),
     };
     let mut facts = vec![
         ("Scenes", d.scenes.join(", ")),
@@ -69,10 +74,7 @@ fn facts(results: &Results) -> Markup {
         ("Size", format!("{} × {}", d.size[0], d.size[1])),
         ("Seeds", d.seeds.len().to_string()),
         ("Budget", budget),
-        (
-            "References",
-            format!("{} paths per pixel", d.reference_samples),
-        ),
+        ("References", references),
     ];
     if d.lambert {
         facts.push(("Materials", "all Lambert".to_owned()));
