@@ -1,5 +1,10 @@
 //! The command line.
 
+mod denoise;
+mod values;
+
+pub use denoise::{DenoiseArgs, DepthKind, MotionTarget, MotionUnits, NormalSpace, YAxis};
+
 use crate::camera::CameraChoice;
 use crate::levers;
 use crate::scene::SkyChoice;
@@ -7,6 +12,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use scumble_lab::{Allowance, Shard};
 use scumble_metrics::Metric;
 use std::path::PathBuf;
+use values::{
+    parse_port, parse_positive, parse_seconds, parse_set, parse_shard, parse_size, parse_step,
+};
 
 /// Interactive global illumination from render graphs: render, check and compare pipelines.
 #[derive(Parser)]
@@ -114,101 +122,6 @@ pub struct RenderArgs {
     /// Write what was done as JSON
     #[arg(long)]
     pub json: bool,
-}
-
-/// Images are matched to the graph's inputs by the names that Blender, Mitsuba and Arnold give to layers and files
-/// (docs/denoise.md has them); --map names the others. Numbers are turned into Scumble's conventions: world-space normals, depth along
-/// the view axis, motion in parts of the image from where a surface was to where it is. What is known of a name is said for each input;
-/// the options --normals, --depth and --motion-… say otherwise.
-#[derive(Args)]
-pub struct DenoiseArgs {
-    /// The graph file, such as graphs/denoise-svgf.ron
-    pub graph: PathBuf,
-    /// The folder with the images (.exr, .pfm, .hdr, .png), numbered as in beauty.0001.exr
-    #[arg(long, value_name = "DIR")]
-    pub input: PathBuf,
-    /// What feeds which input of the graph: files of the folder, #### for the number, and the layer of an .exr after a colon, as in
-    /// radiance=beauty.####.exr,normal=aovs.####.exr:nn. `position` may be given for depth and motion
-    #[arg(long, value_name = "INPUT=FILE[:LAYER],…", value_delimiter = ',', value_parser = parse_map)]
-    pub map: Vec<(String, String)>,
-    /// Where to: frame.0001.exr of the graph's output `linear`, frame.0001.png of `display`, with the numbers of the input
-    #[arg(long, short, value_name = "DIR")]
-    pub output: PathBuf,
-    /// The cameras of the frames (JSON, see docs/denoise.md): for motion where there are no vectors, and for depth that is distance
-    #[arg(long, value_name = "FILE")]
-    pub cameras: Option<PathBuf>,
-    /// The vertical field of view in degrees, where depth is distance and there are no cameras
-    #[arg(long, value_name = "DEGREES", conflicts_with = "cameras", value_parser = parse_fov)]
-    pub fov: Option<f32>,
-    /// Neither the camera nor anything else moves
-    #[arg(long)]
-    pub still: bool,
-    /// The space of normals
-    #[arg(long, value_enum)]
-    pub normals: Option<NormalSpace>,
-    /// What depth is
-    #[arg(long, value_enum)]
-    pub depth: Option<DepthKind>,
-    /// The unit of motion
-    #[arg(long, value_enum)]
-    pub motion_units: Option<MotionUnits>,
-    /// Where motion points to
-    #[arg(long, value_enum)]
-    pub motion_target: Option<MotionTarget>,
-    /// Which way the second component of motion goes
-    #[arg(long, value_enum)]
-    pub motion_y: Option<YAxis>,
-    /// Take frames that are black all over as they are; otherwise they count as broken, and the history goes on without them
-    #[arg(long)]
-    pub keep_black: bool,
-    #[command(flatten)]
-    pub edits: EditArgs,
-    #[command(flatten)]
-    pub adapter: AdapterArgs,
-    /// Say nothing but errors
-    #[arg(long, short)]
-    pub quiet: bool,
-    /// Write what was done as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum NormalSpace {
-    World,
-    /// Right-handed, looking along -Z
-    Camera,
-    /// Z is ahead, as in Blender's denoising data
-    CameraForward,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum DepthKind {
-    /// Along the view axis
-    Z,
-    /// From the camera's eye
-    Distance,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum MotionUnits {
-    Pixels,
-    /// The image is 1 wide and 1 high
-    Uv,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum MotionTarget {
-    /// From where the surface was to where it is
-    Now,
-    /// From where the surface is to where it was
-    Previous,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum YAxis {
-    Up,
-    Down,
 }
 
 #[derive(Args)]
@@ -524,79 +437,6 @@ pub struct MergeArgs {
     pub output: PathBuf,
 }
 
-fn parse_shard(text: &str) -> Result<Shard, String> {
-    let numbers = text.split_once('/').map(|(i, n)| (i.parse(), n.parse()));
-    match numbers {
-        Some((Ok(index), Ok(count))) if (1..=count).contains(&index) => Ok(Shard { index, count }),
-        _ => Err("give the part and how many there are, such as 1/4".into()),
-    }
-}
-
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let form = || "give width and height in pixels, such as 1280x720".to_owned();
-    let (width, height) = text.split_once(['x', 'X']).ok_or_else(form)?;
-    let side = |text: &str| text.parse::<u32>().map_err(|_| form());
-    let size = [side(width)?, side(height)?];
-    if size.contains(&0) {
-        return Err("width and height must be at least 1".into());
-    }
-    Ok(size)
-}
-
-fn parse_step(text: &str) -> Result<[f32; 3], String> {
-    let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
-    match numbers.as_deref() {
-        Ok(&[x, y, z]) if x.is_finite() && y.is_finite() && z.is_finite() => Ok([x, y, z]),
-        _ => Err("give three numbers: x,y,z".into()),
-    }
-}
-
-fn parse_seconds(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
-        _ => Err("give seconds, 0 or more".into()),
-    }
-}
-
-fn parse_positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("give a number above 0".into()),
-    }
-}
-
-fn parse_port(text: &str) -> Result<String, String> {
-    match text.split_once('.') {
-        Some((pass, port)) if !pass.is_empty() && !port.is_empty() => Ok(text.to_owned()),
-        _ => Err("give pass.port, such as gbuffer.normal".into()),
-    }
-}
-
-fn parse_map(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
-            Ok((name.trim().to_owned(), value.trim().to_owned()))
-        }
-        _ => Err("give input=file, such as radiance=beauty.####.exr".into()),
-    }
-}
-
-fn parse_fov(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(fov) if fov > 0.0 && fov < 180.0 => Ok(fov),
-        _ => Err("give degrees between 0 and 180".into()),
-    }
-}
-
-fn parse_set(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((name, value)) if !value.trim().is_empty() && name.contains('.') => {
-            Ok((name.trim().to_owned(), value.trim().to_owned()))
-        }
-        _ => Err("give pass.parameter=value, such as sparse-indirect.spacing=8".into()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -604,47 +444,5 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         <Cli as clap::CommandFactory>::command().debug_assert();
-    }
-
-    #[test]
-    fn sizes() {
-        assert_eq!(parse_size("640x480"), Ok([640, 480]));
-        assert_eq!(
-            parse_size("0x0").unwrap_err(),
-            "width and height must be at least 1"
-        );
-        for text in ["", "640", "x", "-1x2", "1x2x3", "99999999999x1"] {
-            assert!(
-                parse_size(text).unwrap_err().contains("such as 1280x720"),
-                "{text}"
-            );
-        }
-    }
-
-    #[test]
-    fn steps() {
-        assert_eq!(parse_step("0.5, -1,0"), Ok([0.5, -1.0, 0.0]));
-        for text in ["", "1", "1,2", "1,2,3,4", "1,2,inf", "1,2,3,x", "a,b,c"] {
-            assert!(parse_step(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn shards() {
-        assert_eq!(parse_shard("2/4"), Ok(Shard { index: 2, count: 4 }));
-        for text in ["", "0/4", "5/4", "1/0", "1", "a/b"] {
-            assert!(parse_shard(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn sets() {
-        assert_eq!(
-            parse_set("e/jbu.lambda_z = 5"),
-            Ok(("e/jbu.lambda_z".into(), "5".into()))
-        );
-        for text in ["", "a.b", "a.b=", "b=1"] {
-            assert!(parse_set(text).is_err(), "{text}");
-        }
     }
 }
