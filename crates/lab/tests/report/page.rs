@@ -215,3 +215,24 @@ fn what_was_there_is_told_and_commands_are_for_a_shell() {
     assert!(bare.contains("Made again from the records of 24 runs."));
     tags(&bare);
 }
+
+#[test]
+fn the_budget_and_the_references_are_told_as_they_are() {
+    let facts = |change: fn(&mut Results)| {
+        let folder = tempfile::tempdir().unwrap();
+        let mut results = results(folder.path());
+        change(&mut results);
+        let path = results.write_report(folder.path(), None).unwrap();
+        std::fs::read_to_string(path).unwrap()
+    };
+    let rays = facts(|_| {});
+    assert!(rays.contains("equal rays, 1 paths per pixel and frame"));
+    assert!(rays.contains("<dd>64 paths per pixel</dd>"));
+    let time = facts(|results| {
+        results.design.equal_rays = None;
+        results.design.equal_time = Some(20.0);
+        results.design.reference_files = Some("refs/{scene}.exr".into());
+    });
+    assert!(time.contains("equal time, 20 ms per frame"));
+    assert!(time.contains("<dd>refs/{scene}.exr</dd>") && !time.contains("64 paths per pixel"));
+}
