@@ -15,6 +15,13 @@ mod reasons;
 mod reflect;
 mod state;
 
+pub mod layered {
+    //! Places for boxes and wires, for programs that draw a graph of their own: as [`Snapshot::svg`](crate::Snapshot::svg)
+    //! has them.
+
+    pub use crate::draw::layers::{Item, Layout, Net, Route, layout};
+}
+
 pub use compile::{Edge, Hazard, PlanCounts};
 pub use debug::{Capture, CaptureWhen, Debug, DebugError};
 pub use desc::{

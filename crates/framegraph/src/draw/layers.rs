@@ -10,27 +10,35 @@ const LANE: f64 = 10.0;
 /// Rounds of down and up sweeps that look for an order with few crossings.
 const ROUNDS: usize = 16;
 
-/// A box: its layer, its least width, and the widths of its ports.
-pub(super) struct Item {
+/// A box.
+pub struct Item {
+    /// Its layer, 0 at the top.
     pub layer: usize,
+    /// Its least width; it is as wide as its ports ask for.
     pub width: f64,
+    /// The widths of the ports on its upper side.
     pub inputs: Vec<f64>,
+    /// The widths of the ports on its lower side.
     pub outputs: Vec<f64>,
 }
 
 /// From an output of an item to inputs of items on lower layers.
-pub(super) struct Net {
+pub struct Net {
+    /// The item and its output, by position.
     pub from: (usize, usize),
+    /// Items and their inputs, by position.
     pub to: Vec<(usize, usize)>,
 }
 
 /// Where everything stands. Layers have no heights here.
-pub(super) struct Layout {
+pub struct Layout {
     /// Left and width of each item.
     pub items: Vec<(f64, f64)>,
-    /// Centres of the inputs and outputs of each item.
+    /// Centres of the inputs of each item.
     pub inputs: Vec<Vec<f64>>,
+    /// Centres of the outputs of each item.
     pub outputs: Vec<Vec<f64>>,
+    /// The way of each net.
     pub nets: Vec<Route>,
     /// Right end of all.
     pub width: f64,
@@ -38,7 +46,7 @@ pub(super) struct Layout {
 
 /// How a net runs.
 #[derive(Default)]
-pub(super) struct Route {
+pub struct Route {
     /// From the bottom of a layer to the top of the next: the upper layer, start, end.
     pub wires: Vec<(usize, f64, f64)>,
     /// Layers that the net passes, and where.
@@ -77,7 +85,25 @@ struct Work {
     left: Vec<f64>,
 }
 
-pub(super) fn layout(items: Vec<Item>, nets: &[Net]) -> Layout {
+/// Places boxes and wires. Layers may as well be columns: widths are then heights.
+///
+/// ```
+/// use framegraph::layered::{Item, Net, layout};
+///
+/// let boxed = |layer, inputs, outputs| Item {
+///     layer,
+///     width: 60.0,
+///     inputs: vec![20.0; inputs],
+///     outputs: vec![20.0; outputs],
+/// };
+/// let net = Net { from: (0, 0), to: vec![(1, 0)] };
+/// let placed = layout(vec![boxed(0, 0, 1), boxed(1, 1, 0)], &[net]);
+/// // One wire from layer 0 to the next, straight down.
+/// let (layer, from, to) = placed.nets[0].wires[0];
+/// assert_eq!(layer, 0);
+/// assert!((from - to).abs() < 0.01);
+/// ```
+pub fn layout(items: Vec<Item>, nets: &[Net]) -> Layout {
     let count = items.len();
     let mut work = Work::new(items, nets);
     work.arrange();

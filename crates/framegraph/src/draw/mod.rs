@@ -4,7 +4,7 @@ mod dot;
 mod flow;
 mod flow_svg;
 mod json;
-mod layers;
+pub(crate) mod layers;
 mod lifetimes;
 mod snapshot;
 mod svg;
