@@ -44,7 +44,7 @@ pub use pipeline::{
     Requirements, StatsError, Unmet,
 };
 pub use port::{FirstFrame, Port, PortSignal, Resolution};
-pub use readback::{ReadbackError, readback};
+pub use readback::{Readback, ReadbackError, Texels, readback};
 pub use registry::{PassType, Registry};
 pub use resolve::{
     Edits, GraphInput, ImplicitWire, Resolved, ResolvedPass, SetEverywhere, Source, resolve,

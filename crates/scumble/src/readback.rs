@@ -1,5 +1,7 @@
 //! Textures back from the GPU as numbers.
 
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
 use half::f16;
 use wgpu::TextureFormat as F;
 
@@ -18,7 +20,7 @@ pub enum ReadbackError {
 }
 
 /// The texels of a 2D texture, row by row from the top. Missing components are 0, a missing fourth
-/// is 1. Unsigned integers keep their bits: take them with [`f32::to_bits`].
+/// is 1. Unsigned integers keep their bits: take them with [`f32::to_bits`]. Waits for the GPU.
 ///
 /// # Errors
 /// A format that no signal has, a texture without `COPY_SRC`, a device that is gone.
@@ -27,43 +29,164 @@ pub fn readback(
     queue: &wgpu::Queue,
     texture: &wgpu::Texture,
 ) -> Result<Vec<[f32; 4]>, ReadbackError> {
-    let decode = decoder(texture.format()).ok_or(ReadbackError::Format(texture.format()))?;
-    if !texture.usage().contains(wgpu::TextureUsages::COPY_SRC) {
-        return Err(ReadbackError::Usage);
-    }
-    let texel = texture.format().block_copy_size(None).unwrap_or(4);
-    let (width, height) = (texture.width(), texture.height());
-    let row = (width * texel).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let buffer = staging(device, u64::from(row) * u64::from(height));
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
         label: Some("readback"),
     });
-    encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
-        wgpu::TexelCopyBufferInfo {
-            buffer: &buffer,
-            layout: wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(row),
-                rows_per_image: None,
-            },
-        },
-        wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
-    );
+    let whole = [texture.width(), texture.height()];
+    let copy = Readback::record(device, &mut encoder, texture, [0, 0], whole)?;
     queue.submit([encoder.finish()]);
-    let bytes = mapped(device, &buffer)?;
-    let rows = bytes.chunks_exact(row as usize);
-    Ok(rows
-        .flat_map(|r| {
-            r[..(width * texel) as usize]
-                .chunks_exact(texel as usize)
-                .map(decode)
+    let bytes = mapped(device, &copy.buffer)?;
+    Ok(copy.layout.texels(bytes).decode())
+}
+
+/// Part of a texture on its way back from the GPU, without waiting: recorded, mapped once it is submitted, and taken
+/// once it is there.
+///
+/// ```no_run
+/// # fn frame(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<(), scumble::ReadbackError> {
+/// let mut encoder = device.create_command_encoder(&Default::default());
+/// let mut texel = scumble::Readback::record(device, &mut encoder, texture, [8, 8], [1, 1])?;
+/// queue.submit([encoder.finish()]);
+/// texel.submitted();
+/// // In a later frame, after the device was polled:
+/// if let Some(texels) = texel.take() {
+///     println!("{:?}", texels?.decode());
+/// }
+/// # Ok(())
+/// # }
+/// ```
+pub struct Readback {
+    buffer: wgpu::Buffer,
+    layout: Layout,
+    done: Option<Receiver<Result<(), wgpu::BufferAsyncError>>>,
+}
+
+/// How texels lie in a buffer.
+#[derive(Clone, Copy)]
+struct Layout {
+    size: [u32; 2],
+    /// Bytes of a texel, and of a row with its padding.
+    texel: usize,
+    row: usize,
+    decode: Decode,
+}
+
+impl Layout {
+    fn texels(self, bytes: Vec<u8>) -> Texels {
+        Texels {
+            layout: self,
+            bytes,
+        }
+    }
+}
+
+/// Texels as the GPU stores them.
+pub struct Texels {
+    layout: Layout,
+    bytes: Vec<u8>,
+}
+
+impl Texels {
+    /// Width and height.
+    pub fn size(&self) -> [u32; 2] {
+        self.layout.size
+    }
+
+    /// The texels as numbers, as [`readback`] gives them.
+    pub fn decode(&self) -> Vec<[f32; 4]> {
+        let Layout {
+            size: [width, _],
+            texel,
+            row,
+            decode,
+        } = self.layout;
+        let rows = self.bytes.chunks_exact(row);
+        let used = width as usize * texel;
+        rows.flat_map(|r| r[..used].chunks_exact(texel).map(decode))
+            .collect()
+    }
+}
+
+impl Readback {
+    /// Records the copy of `size` texels from `origin` on, where the texture has them.
+    ///
+    /// # Errors
+    /// A format that no signal has, a texture without `COPY_SRC`.
+    pub fn record(
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        texture: &wgpu::Texture,
+        origin: [u32; 2],
+        size: [u32; 2],
+    ) -> Result<Readback, ReadbackError> {
+        let decode = decoder(texture.format()).ok_or(ReadbackError::Format(texture.format()))?;
+        if !texture.usage().contains(wgpu::TextureUsages::COPY_SRC) {
+            return Err(ReadbackError::Usage);
+        }
+        let whole = [texture.width(), texture.height()];
+        let origin = [0, 1].map(|i| origin[i].min(whole[i] - 1));
+        let size = [0, 1].map(|i| size[i].clamp(1, whole[i] - origin[i]));
+        let texel = texture.format().block_copy_size(None).unwrap_or(4);
+        let row = (size[0] * texel).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = staging(device, u64::from(row) * u64::from(size[1]));
+        encoder.copy_texture_to_buffer(
+            wgpu::TexelCopyTextureInfo {
+                origin: wgpu::Origin3d {
+                    x: origin[0],
+                    y: origin[1],
+                    z: 0,
+                },
+                ..texture.as_image_copy()
+            },
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(row),
+                    rows_per_image: None,
+                },
+            },
+            wgpu::Extent3d {
+                width: size[0],
+                height: size[1],
+                depth_or_array_layers: 1,
+            },
+        );
+        Ok(Readback {
+            buffer,
+            layout: Layout {
+                size,
+                texel: texel as usize,
+                row: row as usize,
+                decode,
+            },
+            done: None,
         })
-        .collect())
+    }
+
+    /// Asks for the texels; call it once the encoder is submitted.
+    pub fn submitted(&mut self) {
+        if self.done.is_none() {
+            self.done = Some(map(&self.buffer));
+        }
+    }
+
+    /// The texels, once, when they are there; a host that renders frames polls its device, which makes them come.
+    /// Errors are those of a device that is gone.
+    pub fn take(&mut self) -> Option<Result<Texels, ReadbackError>> {
+        let result = match self.done.as_ref()?.try_recv() {
+            Ok(result) => result,
+            Err(TryRecvError::Empty) => return None,
+            Err(TryRecvError::Disconnected) => {
+                self.done = None;
+                return Some(Err(ReadbackError::Device("it went away".to_owned())));
+            }
+        };
+        self.done = None;
+        let bytes = result.map_err(|e| ReadbackError::Device(e.to_string()));
+        let bytes = bytes.and_then(|()| bytes_of(&self.buffer));
+        Some(bytes.map(|bytes| self.layout.texels(bytes)))
+    }
 }
 
 /// The first `length` bytes of a buffer made with `COPY_SRC`.
@@ -91,12 +214,27 @@ fn staging(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
     })
 }
 
-fn mapped(device: &wgpu::Device, buffer: &wgpu::Buffer) -> Result<Vec<u8>, ReadbackError> {
-    let (sender, receiver) = std::sync::mpsc::channel();
+fn map(buffer: &wgpu::Buffer) -> Receiver<Result<(), wgpu::BufferAsyncError>> {
+    let (sender, receiver) = channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
         // The receiver is only gone when nobody waits any more.
         let _ = sender.send(result);
     });
+    receiver
+}
+
+/// Of a buffer that is mapped.
+fn bytes_of(buffer: &wgpu::Buffer) -> Result<Vec<u8>, ReadbackError> {
+    let bytes = buffer
+        .get_mapped_range(..)
+        .map_err(|e| ReadbackError::Device(e.to_string()))?
+        .to_vec();
+    buffer.unmap();
+    Ok(bytes)
+}
+
+fn mapped(device: &wgpu::Device, buffer: &wgpu::Buffer) -> Result<Vec<u8>, ReadbackError> {
+    let receiver = map(buffer);
     let failed = |e: &dyn std::fmt::Display| ReadbackError::Device(e.to_string());
     device
         .poll(wgpu::PollType::wait_indefinitely())
@@ -105,12 +243,7 @@ fn mapped(device: &wgpu::Device, buffer: &wgpu::Buffer) -> Result<Vec<u8>, Readb
         .recv()
         .map_err(|e| failed(&e))?
         .map_err(|e| failed(&e))?;
-    let bytes = buffer
-        .get_mapped_range(..)
-        .map_err(|e| failed(&e))?
-        .to_vec();
-    buffer.unmap();
-    Ok(bytes)
+    bytes_of(buffer)
 }
 
 type Decode = fn(&[u8]) -> [f32; 4];

@@ -1,6 +1,7 @@
 //! From a resolved graph to built passes.
 
 use std::cell::RefCell;
+use std::time::Duration;
 
 use framegraph::Label;
 
@@ -142,6 +143,7 @@ fn unbuilt(resolved: &Resolved, pass: &crate::resolve::ResolvedPass) -> Built {
         state: PassState::default(),
         shaders: Vec::new(),
         stale: true,
+        recording: Duration::ZERO,
     }
 }
 

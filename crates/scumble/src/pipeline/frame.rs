@@ -1,5 +1,7 @@
 //! One frame: every pass declares its work, in order.
 
+use std::time::{Duration, Instant};
+
 use framegraph::{First, FrameGraph, FrameParams, Label, Size, Texture, TextureDesc};
 
 use super::build::Wire;
@@ -56,13 +58,16 @@ impl Pipeline {
             frame: u64::from(input.frame),
         });
         let given = self.begin(&mut graph);
+        let timed = self.pool.debug().timestamps;
         for p in 0..self.passes.len() {
+            let start = timed.then(Instant::now);
             self.record(p, &mut graph, &shared, &given)
                 .map_err(|source| RenderError::Record {
                     pass: self.passes[p].info.name.clone(),
                     kind: self.passes[p].kind.clone(),
                     source: Box::new(source),
                 })?;
+            self.passes[p].recording = start.map_or(Duration::ZERO, |start| start.elapsed());
         }
         self.export(&mut graph);
         let plan = graph.compile()?;

@@ -11,6 +11,7 @@ mod revisions;
 mod stats;
 
 use std::sync::{Arc, OnceLock};
+use std::time::Duration;
 
 use framegraph::{Debug, Label, Pool};
 
@@ -73,6 +74,8 @@ struct Built {
     shaders: Vec<String>,
     /// A structural parameter changed.
     stale: bool,
+    /// How long the CPU took to record it in the last frame, while frames are timed.
+    recording: Duration,
 }
 
 /// An output that is read in the next frame.
@@ -212,6 +215,20 @@ impl Pipeline {
             from,
         });
         Ok(())
+    }
+
+    /// Takes [`Pipeline::tap`] back, from the next frame on.
+    pub fn untap(&mut self, name: &str) {
+        self.taps.retain(|tap| tap.name != name);
+        let read = self.passes.iter().flat_map(|built| &built.wires).flatten();
+        let kept = self.outputs.iter().chain(&self.taps);
+        let read: Vec<Wire> = read.copied().chain(kept.map(|kept| kept.from)).collect();
+        for built in &mut self.passes {
+            built.wanted.fill(false);
+        }
+        for wire in read {
+            build::want(&mut self.passes, wire);
+        }
     }
 
     /// What was tapped, as [`Pipeline::output`].

@@ -72,6 +72,17 @@ impl Pipeline {
         times
     }
 
+    /// CPU milliseconds that it took to record each pass in the last frame, in the order of the graph, once
+    /// `debug().timestamps` is on: all that can be told by pass where the device has no timestamps. It says
+    /// nothing of how long the GPU works.
+    pub fn recording_times(&self) -> Vec<(String, f64)> {
+        let time = |built: &super::Built| {
+            let milliseconds = built.recording.as_secs_f64() * 1e3;
+            (built.info.name.clone(), milliseconds)
+        };
+        self.passes.iter().map(time).collect()
+    }
+
     /// Bytes that the pipeline's textures and buffers take.
     pub fn memory(&self) -> Memory {
         self.pool.memory()

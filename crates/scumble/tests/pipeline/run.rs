@@ -1,6 +1,6 @@
 //! A frame is what its passes say; looking at it changes nothing.
 
-use scumble::{FrameInput, Pipeline, ReportValue, jittered, wgsl};
+use scumble::{FrameInput, Pipeline, Readback, ReportValue, jittered, wgsl};
 
 use crate::rig::{Rig, Row, gpu, graph, read};
 use crate::toys::registry;
@@ -77,6 +77,48 @@ fn a_tap_changes_nothing_and_shows_the_port() {
 }
 
 #[test]
+fn a_tap_that_is_taken_back_leaves_the_frame_as_it_was() {
+    let Some(_) = gpu() else { return };
+    let mut rig = Rig::new(
+        graph(&registry(), BLURRED, &[("out", "blur.value")]),
+        [8, 8],
+    );
+    rig.pipeline.keep_plan(true);
+    let mut plan = |rig: &mut Rig| {
+        rig.frame(0, "out");
+        rig.pipeline.plan().unwrap().text.clone()
+    };
+    let plain = plan(&mut rig);
+    rig.pipeline.tap("ramp.mask").unwrap();
+    assert_ne!(plan(&mut rig), plain, "the mask is made");
+    rig.pipeline.untap("ramp.mask");
+    assert_eq!(plan(&mut rig), plain);
+    assert!(rig.pipeline.tapped("ramp.mask").is_none());
+}
+
+#[test]
+fn part_of_a_texture_comes_back_without_waiting() {
+    let Some((device, queue)) = gpu() else { return };
+    let mut rig = Rig::new(
+        graph(&registry(), BLURRED, &[("out", "ramp.value")]),
+        [9, 5],
+    );
+    let whole = rig.frame(0, "out");
+    let output = rig.pipeline.output("out").unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    // Two texels stand left of the border, four are asked for.
+    let mut part = Readback::record(device, &mut encoder, output, [7, 3], [4, 1]).unwrap();
+    assert!(part.take().is_none(), "it was not submitted");
+    queue.submit([encoder.finish()]);
+    part.submitted();
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    let texels = part.take().unwrap().unwrap();
+    assert_eq!(texels.size(), [2, 1]);
+    assert_eq!(texels.decode(), whole[3 * 9 + 7..][..2]);
+    assert!(part.take().is_none(), "it comes once");
+}
+
+#[test]
 fn two_runs_give_the_same_bits() {
     let Some(_) = gpu() else { return };
     let run = || {
@@ -134,6 +176,9 @@ fn passes_are_timed_and_report() {
         assert_eq!(names, ["ramp", "blur"]);
         assert!(times.iter().all(|(_, ms)| *ms > 0.0), "{times:?}");
     }
+    let recorded = rig.pipeline.recording_times();
+    assert_eq!(recorded[1].0, "blur");
+    assert!(recorded.iter().all(|(_, ms)| *ms > 0.0), "{recorded:?}");
     let reports = rig.pipeline.reports().unwrap();
     let built = reports
         .iter()
