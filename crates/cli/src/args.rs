@@ -2,8 +2,10 @@
 
 mod denoise;
 mod values;
+mod view;
 
 pub use denoise::{DenoiseArgs, DepthKind, MotionTarget, MotionUnits, NormalSpace, YAxis};
+pub use view::ViewArgs;
 
 use crate::camera::CameraChoice;
 use crate::levers;
@@ -29,6 +31,8 @@ pub enum Verb {
     /// Render frames of a scene with a graph
     #[command(after_help = levers::HELP)]
     Render(Box<RenderArgs>),
+    /// Open a window: fly through a scene, edit its graph while it runs
+    View(Box<ViewArgs>),
     /// Report every mistake of graph files, or what they resolve to, and of WGSL files that are passes
     #[command(after_help = levers::HELP)]
     Check(CheckArgs),

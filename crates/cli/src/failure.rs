@@ -36,6 +36,8 @@ pub enum Failure {
     #[error("`{graph}` is a part for other graphs: nothing feeds its inputs {inputs}; `scumble denoise` feeds a graph from image files", graph = graph.display())]
     Part { graph: PathBuf, inputs: String },
     #[error(transparent)]
+    View(#[from] scumble_view::ViewError),
+    #[error(transparent)]
     Denoise(#[from] crate::denoise::Problem),
     #[error("there is no pass `{name}`; {hint}")]
     UnknownPass { name: String, hint: String },

@@ -33,6 +33,7 @@ mod render;
 mod report;
 mod scene;
 mod schema;
+mod view;
 
 use args::{Cli, Verb};
 use clap::{CommandFactory, Parser};
@@ -77,6 +78,7 @@ fn run(verb: &Verb, registry: &Registry) -> Result<Verdict, Failure> {
         Verb::Compare(args) => return compare::run(args),
         Verb::Ablate(args) => return ablate::run(args, registry),
         Verb::Render(args) => render::run(args, registry),
+        Verb::View(args) => view::run(args, registry),
         Verb::Denoise(args) => denoise::run(args, registry),
         Verb::Check(args) => graph::check(args, registry),
         Verb::Graph(args) => picture::run(args, registry),

@@ -1,0 +1,37 @@
+//! The command line of `scumble view`.
+
+use super::values::parse_size;
+use super::{AdapterArgs, EditArgs, OptionalScene};
+use crate::camera::CameraChoice;
+use clap::Args;
+use std::path::PathBuf;
+
+/// WASD flies, Q and E go down and up, Shift is faster, a drag with the mouse looks around, Space plays and pauses.
+/// What the graph is made of is watched: a change of it is built beside what runs and takes its place when it is good.
+#[derive(Args)]
+pub struct ViewArgs {
+    /// The graph file
+    #[arg(default_value = "graphs/svgf-2018.ron")]
+    pub graph: PathBuf,
+    #[command(flatten)]
+    pub scene: OptionalScene,
+    /// Where to start: a camera of the scene by its number, or `ex,ey,ez,tx,ty,tz,fov`: eye, target (metres),
+    /// and the vertical field of view (degrees)
+    #[arg(
+        long,
+        value_name = "N|EYE,TARGET,FOV",
+        default_value = "0",
+        allow_hyphen_values = true
+    )]
+    pub camera: CameraChoice,
+    /// Width and height of the window in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    pub size: [u32; 2],
+    /// Seed of all random numbers
+    #[arg(long, default_value_t = 0)]
+    pub seed: u32,
+    #[command(flatten)]
+    pub edits: EditArgs,
+    #[command(flatten)]
+    pub adapter: AdapterArgs,
+}

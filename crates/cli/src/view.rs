@@ -1,0 +1,41 @@
+//! `scumble view`: the window.
+
+use crate::args::ViewArgs;
+use crate::camera::CameraChoice;
+use crate::failure::Failure;
+use crate::{graph, scene};
+use scumble::{Edits, Pipeline, Registry};
+use scumble_view::{Options, Start};
+use std::path::Path;
+
+pub fn run(args: &ViewArgs, registry: &Registry) -> Result<(), Failure> {
+    let resolved =
+        graph::resolve(&args.graph, registry, &args.edits, None).map_err(Failure::Graph)?;
+    graph::refuse_parts(&args.graph, &resolved)?;
+    let scene = match &args.scene.scene {
+        Some(name) => Some(name.as_path()),
+        None if Pipeline::requirements(&resolved).host.contains(&"Scene") => {
+            Some(Path::new("cornell"))
+        }
+        None => None,
+    };
+    let options = Options {
+        graph: args.graph.clone(),
+        edits: Edits {
+            set: args.edits.set.clone(),
+            bypass: args.edits.bypass.clone(),
+            ..Edits::default()
+        },
+        scene: scene
+            .map(|name| scene::load(name, &args.scene.changes))
+            .transpose()?,
+        camera: match args.camera {
+            CameraChoice::Number(number) => Start::Number(number),
+            CameraChoice::Fixed(camera) => Start::Fixed(camera),
+        },
+        size: args.size,
+        seed: args.seed,
+        adapter: args.adapter.adapter.clone(),
+    };
+    Ok(scumble_view::run(options, registry)?)
+}

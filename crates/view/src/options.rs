@@ -1,0 +1,33 @@
+//! What the window is opened with.
+
+use scumble::{Camera, Edits};
+use scumble_scene::Scene;
+use std::path::PathBuf;
+
+/// Where the camera stands at first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// At one of the scene's cameras, by its number; it moves with the scene until the viewer takes it.
+    Number(usize),
+    /// At a place of its own.
+    Fixed(Camera),
+}
+
+/// What the window is opened with.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The graph file.
+    pub graph: PathBuf,
+    /// The command line's changes to it; they hold at every reload.
+    pub edits: Edits,
+    /// The scene, where the graph renders one.
+    pub scene: Option<Scene>,
+    /// Where the camera stands at first.
+    pub camera: Start,
+    /// Width and height of the window in pixels.
+    pub size: [u32; 2],
+    /// Seed of all random numbers.
+    pub seed: u32,
+    /// The adapter whose name contains this.
+    pub adapter: Option<String>,
+}
