@@ -40,15 +40,15 @@ pub use params::{
 pub use pass::{AnyPass, Bypass, BypassKind, Filter, Needs, Pass, SkySide, build_any};
 pub use pass_frame::{PassFrame, RecordError, Stat, Upstream};
 pub use pipeline::{
-    History, NameError, PassBuildError, Pipeline, PipelineError, RenderError, Report, ReportValue,
-    Requirements, StatsError, Unmet,
+    History, NameError, PassBuildError, Pipeline, PipelineError, RenderError, Replacement, Report,
+    ReportValue, Requirements, StatsError, Unmet,
 };
 pub use port::{FirstFrame, Port, PortSignal, Resolution};
 pub use readback::{Readback, ReadbackError, Texels, readback};
 pub use registry::{PassType, Registry};
 pub use resolve::{
     Edits, GraphInput, ImplicitWire, Resolved, ResolvedPass, SetEverywhere, Source, resolve,
-    resolve_file, resolve_text,
+    resolve_file, resolve_text, resolve_watched,
 };
 pub use signal::{Signal, SignalDef};
 pub use uniform::UniformValue;

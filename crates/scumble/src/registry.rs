@@ -33,6 +33,8 @@ pub struct PassType {
     pub bypass: Vec<Bypass>,
     /// The default of every parameter.
     pub defaults: ErasedParams,
+    /// The text that it was made from at run time.
+    pub(crate) text: Option<String>,
     needs: Box<NeedsFn>,
     grid: Box<GridFn>,
     build: Box<BuildFn>,
@@ -49,6 +51,7 @@ impl PassType {
             outputs: P::outputs(),
             bypass: P::bypass(),
             defaults: ErasedParams::new(P::Params::default()),
+            text: None,
             needs: Box::new(|params| typed::<P, _>(params, P::needs)),
             grid: Box::new(|params| typed::<P, _>(params, P::grid)),
             build: Box::new(build_any::<P>),
@@ -72,10 +75,17 @@ impl PassType {
             outputs: Vec::new(),
             bypass: Vec::new(),
             defaults: ErasedParams::dynamic(Vec::new()),
+            text: None,
             needs: Box::new(|_| Needs::default()),
             grid: Box::new(|_| None),
             build: Box::new(build),
         }
+    }
+
+    /// Whether both build the same pass: one type, or made from one text.
+    pub(crate) fn is_same(self: &Arc<Self>, other: &Arc<Self>) -> bool {
+        let same_text = self.text.is_some() && self.text == other.text && self.name == other.name;
+        Arc::ptr_eq(self, other) || same_text
     }
 
     /// Definitions of its parameters.

@@ -12,7 +12,7 @@ mod pattern;
 mod replace;
 mod resolved;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 pub use resolved::{GraphInput, ImplicitWire, Resolved, ResolvedPass, Source};
@@ -70,10 +70,25 @@ pub fn resolve(
     registry: &Registry,
     edits: &Edits,
 ) -> Result<Resolved, Diagnostics> {
+    resolve_watched(path, registry, edits).0
+}
+
+/// The same with every file that was read or looked for, also where the graph is wrong: another content of one of
+/// them may give another graph.
+pub fn resolve_watched(
+    path: impl AsRef<Path>,
+    registry: &Registry,
+    edits: &Edits,
+) -> (Result<Resolved, Diagnostics>, Vec<PathBuf>) {
     let path = path.as_ref();
-    let mut diagnostics = Diagnostics::new();
-    let file = GraphFile::read_into(path, None, &mut diagnostics);
-    resolve_read(path, file, diagnostics, registry, edits)
+    let mut loader = Loader::new(registry);
+    let file = GraphFile::read_into(path, None, &mut loader.diagnostics);
+    let mut files = vec![path.to_owned()];
+    let resolved = resolve_read(path, file, &mut loader, edits);
+    files.extend(loader.files.into_keys());
+    files.extend(loader.wgsl.into_keys());
+    files[1..].sort();
+    (resolved, files)
 }
 
 /// Resolves a graph that is read already; `path` is where it would stand, for files that it uses.
@@ -86,13 +101,7 @@ pub fn resolve_file(
     registry: &Registry,
     edits: &Edits,
 ) -> Result<Resolved, Diagnostics> {
-    resolve_read(
-        path.as_ref(),
-        Some(file),
-        Diagnostics::new(),
-        registry,
-        edits,
-    )
+    resolve_read(path.as_ref(), Some(file), &mut Loader::new(registry), edits)
 }
 
 /// Resolves a graph in a text as far as it can be understood; `name` is its path in messages, and
@@ -106,23 +115,20 @@ pub fn resolve_text(
     registry: &Registry,
     edits: &Edits,
 ) -> Result<Resolved, Diagnostics> {
-    let mut diagnostics = Diagnostics::new();
-    let file = GraphFile::parse_into(name, text, &mut diagnostics);
-    resolve_read(Path::new(name), file, diagnostics, registry, edits)
+    let mut loader = Loader::new(registry);
+    let file = GraphFile::parse_into(name, text, &mut loader.diagnostics);
+    resolve_read(Path::new(name), file, &mut loader, edits)
 }
 
 fn resolve_read(
     path: &Path,
     file: Option<GraphFile>,
-    diagnostics: Diagnostics,
-    registry: &Registry,
+    loader: &mut Loader<'_>,
     edits: &Edits,
 ) -> Result<Resolved, Diagnostics> {
-    let mut loader = Loader::new(registry);
-    loader.diagnostics = diagnostics;
     let root = file.and_then(|file| loader.root(path, Arc::new(file)));
     let Some((about, sky)) = root else {
-        return loader.diagnostics.or(Resolved::default());
+        return std::mem::take(&mut loader.diagnostics).or(Resolved::default());
     };
     wire::connect(&mut loader.draft);
     loader.apply_patches();
@@ -137,5 +143,5 @@ fn resolve_read(
     wire::check_bypasses(draft, diagnostics);
     let mut resolved = finish::finish(draft, &order, diagnostics);
     (resolved.about, resolved.sky) = (about, sky);
-    loader.diagnostics.or(resolved)
+    std::mem::take(diagnostics).or(resolved)
 }

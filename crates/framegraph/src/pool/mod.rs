@@ -162,6 +162,16 @@ impl Pool {
         }
     }
 
+    /// Lets go of a history that no frame declares any more, and of its memory; a later one of the same key begins
+    /// anew. Does nothing when there is no such history. Call it between frames: a graph that is begun already still
+    /// counts on it.
+    pub fn remove_history(&mut self, key: &str) {
+        if self.states.contains_key(key) {
+            Arc::make_mut(&mut self.states).remove(key);
+            self.rings.remove(key);
+        }
+    }
+
     /// How often graphs found a plan that was compiled before.
     pub fn plans(&self) -> PlanCounts {
         let plans = self.shared.plans.lock();

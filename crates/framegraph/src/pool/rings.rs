@@ -74,6 +74,11 @@ impl Rings {
         ring.slots.get(slot as usize).cloned().unwrap_or_default()
     }
 
+    /// Lets go of the ring of a history.
+    pub fn remove(&mut self, key: &str) {
+        self.rings.remove(key);
+    }
+
     pub fn report(&self, memory: &mut Memory) {
         for (key, ring) in &self.rings {
             for _ in &ring.slots {

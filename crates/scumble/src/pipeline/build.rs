@@ -5,13 +5,14 @@ use std::time::Duration;
 
 use framegraph::Label;
 
-use super::{Built, Feedback, PassBuildError, Pipeline, PipelineError};
+use super::{Built, Exported, Feedback, PassBuildError, Pipeline, PipelineError};
 use crate::context::{BuildContext, BuildError, PassInfo};
 use crate::frame_state::{OutputSlot, PassState};
 use crate::host::Host;
 use crate::pass::BypassKind;
 use crate::port::Resolution;
-use crate::resolve::{Resolved, Source};
+use crate::resolve::{Resolved, ResolvedPass, Source};
+use crate::wgsl::Modules;
 
 /// What an input reads, by position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,8 +55,49 @@ pub(super) fn wire_of(resolved: &Resolved, source: &Source) -> Option<Wire> {
     }
 }
 
-/// All passes unbuilt, the outputs read in the next frame, and for each pass which passes read it.
-pub(super) fn wire(resolved: &Resolved) -> (Vec<Built>, Vec<Feedback>, Vec<Vec<usize>>) {
+/// A graph with its wires by position.
+pub(super) struct Wired {
+    /// All passes, unbuilt.
+    pub passes: Vec<Built>,
+    /// The outputs that are read in the next frame.
+    pub feedback: Vec<Feedback>,
+    /// For each pass, which passes read it.
+    pub readers: Vec<Vec<usize>>,
+    /// What the graph gives.
+    pub outputs: Vec<Exported>,
+}
+
+impl Wired {
+    pub fn new(resolved: &Resolved) -> Wired {
+        let (mut passes, feedback, readers) = wire(resolved);
+        let outputs = resolved.outputs.iter().filter_map(|(name, source)| {
+            let from = wire_of(resolved, source)?;
+            Some(Exported {
+                name: name.clone(),
+                key: Label::from(format!("output {name}")),
+                from,
+            })
+        });
+        let outputs: Vec<_> = outputs.collect();
+        for output in &outputs {
+            want(&mut passes, output.from);
+            if let Wire::Port { pass, output, .. } = output.from {
+                keep(&mut passes, (pass, output));
+            }
+        }
+        for f in &feedback {
+            keep(&mut passes, (f.pass, f.output));
+        }
+        Wired {
+            passes,
+            feedback,
+            readers,
+            outputs,
+        }
+    }
+}
+
+fn wire(resolved: &Resolved) -> (Vec<Built>, Vec<Feedback>, Vec<Vec<usize>>) {
     let mut passes: Vec<Built> = resolved
         .passes
         .iter()
@@ -103,7 +145,7 @@ pub(super) fn wire(resolved: &Resolved) -> (Vec<Built>, Vec<Feedback>, Vec<Vec<u
 }
 
 /// Marks an output as one that outlives its frame.
-pub(super) fn keep(passes: &mut [Built], (pass, output): (usize, usize)) {
+fn keep(passes: &mut [Built], (pass, output): (usize, usize)) {
     let port = &mut passes[pass].info.outputs[output];
     port.precise |= port.precise_if_kept;
 }
@@ -115,7 +157,7 @@ pub(super) fn want(passes: &mut [Built], wire: Wire) {
     }
 }
 
-fn unbuilt(resolved: &Resolved, pass: &crate::resolve::ResolvedPass) -> Built {
+fn unbuilt(resolved: &Resolved, pass: &ResolvedPass) -> Built {
     let ty = &pass.ty;
     let source = |name: &str| pass.inputs.iter().find(|(n, _)| n == name)?.1.as_ref();
     let wires: Vec<_> = ty
@@ -217,25 +259,37 @@ impl Pipeline {
             built.stale = false;
             return Ok(());
         }
-        let ctx = BuildContext {
-            device: &self.device,
-            queue: &self.queue,
-            host,
-            modules: &self.modules,
-            info: &built.info,
-            plans: RefCell::default(),
-            shaders: RefCell::default(),
-        };
-        let pass = resolved.ty.build(&ctx, &resolved.params)?;
-        built.state.plans = ctx.plans.into_inner();
-        built.shaders = ctx.shaders.into_inner();
+        let (device, queue, modules) = (&self.device, &self.queue, &self.modules);
+        build_pass(built, resolved, (device, queue, modules), host)?;
         for history in built.state.histories.drain(..) {
             self.pool.reset_history(&history, "the pass was rebuilt");
         }
-        built.pass = Some(pass);
-        built.stale = false;
         Ok(())
     }
+}
+
+/// Builds a pass that is not bypassed.
+pub(super) fn build_pass(
+    built: &mut Built,
+    resolved: &ResolvedPass,
+    (device, queue, modules): (&wgpu::Device, &wgpu::Queue, &Modules),
+    host: &Host,
+) -> Result<(), BuildError> {
+    let ctx = BuildContext {
+        device,
+        queue,
+        host,
+        modules,
+        info: &built.info,
+        plans: RefCell::default(),
+        shaders: RefCell::default(),
+    };
+    let pass = resolved.ty.build(&ctx, &resolved.params)?;
+    built.state.plans = ctx.plans.into_inner();
+    built.shaders = ctx.shaders.into_inner();
+    built.pass = Some(pass);
+    built.stale = false;
+    Ok(())
 }
 
 fn is_copied(how: &BypassKind, built: &Built, output: usize) -> bool {

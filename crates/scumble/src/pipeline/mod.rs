@@ -5,6 +5,7 @@ mod error;
 mod frame;
 mod inputs;
 mod names;
+mod replace;
 mod requirements;
 mod resample;
 mod revisions;
@@ -26,10 +27,11 @@ use crate::resolve::Resolved;
 use crate::wgsl::Modules;
 
 pub use error::{NameError, PassBuildError, PipelineError, RenderError, Unmet};
+pub use replace::Replacement;
 pub use requirements::Requirements;
 pub use stats::{History, Report, ReportValue, StatsError};
 
-use build::Wire;
+use build::{Wire, Wired};
 use resample::Resampler;
 use revisions::Revisions;
 
@@ -109,25 +111,12 @@ impl Pipeline {
         let requirements = Requirements::of(&resolved);
         requirements.check(device.features(), &device.limits())?;
         requirements.check_host(host)?;
-        let (mut passes, feedback, readers) = build::wire(&resolved);
-        let outputs = resolved.outputs.iter().filter_map(|(name, source)| {
-            let from = build::wire_of(&resolved, source)?;
-            Some(Exported {
-                name: name.clone(),
-                key: Label::from(format!("output {name}")),
-                from,
-            })
-        });
-        let outputs: Vec<_> = outputs.collect();
-        for output in &outputs {
-            build::want(&mut passes, output.from);
-            if let Wire::Port { pass, output, .. } = output.from {
-                build::keep(&mut passes, (pass, output));
-            }
-        }
-        for f in &feedback {
-            build::keep(&mut passes, (f.pass, f.output));
-        }
+        let Wired {
+            passes,
+            feedback,
+            readers,
+            outputs,
+        } = Wired::new(&resolved);
         let mut pipeline = Pipeline {
             device: device.clone(),
             queue: queue.clone(),

@@ -43,6 +43,21 @@ impl Revisions {
         }
     }
 
+    /// Goes on with another graph, in which pass `p` is what `before[p]` was in this one, or new.
+    pub fn follow(&mut self, readers: &[Vec<usize>], before: &[Option<usize>]) {
+        self.counter += 1;
+        let new = Upstream {
+            revision: self.counter,
+            changed: None,
+        };
+        let known = |p: &Option<usize>| p.and_then(|p| self.passes.get(p)).cloned();
+        let passes = before.iter().map(|p| known(p).unwrap_or(new.clone()));
+        self.passes = passes.collect();
+        self.reach = (0..readers.len())
+            .map(|pass| reached(readers, pass))
+            .collect();
+    }
+
     pub fn of(&self, pass: usize) -> &Upstream {
         &self.passes[pass]
     }

@@ -77,6 +77,7 @@ pub fn wgsl_pass(
     ty.inputs = facts.inputs;
     ty.outputs = facts.outputs;
     ty.defaults = ErasedParams::dynamic(facts.params);
+    ty.text = Some(text.to_owned());
     Ok(ty)
 }
 

@@ -6,6 +6,7 @@ mod errors;
 mod needs;
 mod parameters;
 mod past;
+mod replace;
 mod rig;
 mod run;
 mod text;
