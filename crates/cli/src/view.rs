@@ -34,6 +34,7 @@ pub fn run(args: &ViewArgs, registry: &Registry) -> Result<(), Failure> {
             CameraChoice::Fixed(camera) => Start::Fixed(camera),
         },
         size: args.size,
+        scale: args.scale,
         seed: args.seed,
         adapter: args.adapter.adapter.clone(),
     };

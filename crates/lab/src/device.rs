@@ -65,11 +65,23 @@ pub const TIMESTAMPS: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
 /// All adapters, the one that is used when none is named first: discrete GPUs before integrated
 /// before virtual ones, software last.
 pub fn adapters() -> Vec<wgpu::Adapter> {
-    let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    adapters_of(&instance())
+}
+
+const BACKENDS: wgpu::Backends = wgpu::Backends::VULKAN
+    .union(wgpu::Backends::METAL)
+    .union(wgpu::Backends::DX12);
+
+/// What adapters, and surfaces to draw to, are had from.
+pub fn instance() -> wgpu::Instance {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    descriptor.backends = backends;
-    let instance = wgpu::Instance::new(descriptor);
-    let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
+    descriptor.backends = BACKENDS;
+    wgpu::Instance::new(descriptor)
+}
+
+/// All adapters of an instance, in the order of [`adapters`].
+pub fn adapters_of(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(BACKENDS));
     adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
@@ -86,7 +98,17 @@ pub fn adapters() -> Vec<wgpu::Adapter> {
 /// # Errors
 /// No adapter, or none of that name.
 pub fn adapter(name: Option<&str>) -> Result<wgpu::Adapter, DeviceError> {
-    let adapters = adapters();
+    choose(adapters(), name)
+}
+
+/// The one of these that [`adapter`] would take.
+///
+/// # Errors
+/// No adapter, or none of that name.
+pub fn choose(
+    adapters: Vec<wgpu::Adapter>,
+    name: Option<&str>,
+) -> Result<wgpu::Adapter, DeviceError> {
     if adapters.is_empty() {
         return Err(DeviceError::NoAdapter);
     }

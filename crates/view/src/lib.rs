@@ -2,10 +2,32 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod changes;
+mod clock;
 mod error;
+mod fly;
+mod gui;
+mod interface;
 mod options;
+mod panel;
+mod running;
+mod save;
+mod screenshot;
+mod stage;
+mod view;
+mod watch;
 mod window;
 
+pub use changes::{Changes, Set};
+pub use clock::Clock;
 pub use error::ViewError;
+pub use fly::{Fly, Held};
 pub use options::{Options, Start};
+pub use panel::{Asked, panel};
+pub use running::{Running, StartError};
+pub use save::{SaveError, edited, variant};
+pub use screenshot::{ScreenshotError, screenshot};
+pub use stage::Stage;
+pub use view::View;
+pub use watch::{INTERVAL, Watch};
 pub use window::run;

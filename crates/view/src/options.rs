@@ -26,6 +26,8 @@ pub struct Options {
     pub camera: Start,
     /// Width and height of the window in pixels.
     pub size: [u32; 2],
+    /// A pixel of the image is so many pixels of the window wide and high, 1 or more.
+    pub scale: u32,
     /// Seed of all random numbers.
     pub seed: u32,
     /// The adapter whose name contains this.

@@ -27,6 +27,9 @@ pub struct ViewArgs {
     /// Width and height of the window in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     pub size: [u32; 2],
+    /// A pixel of the image is so many pixels of the window wide and high: more for slow adapters
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub scale: u32,
     /// Seed of all random numbers
     #[arg(long, default_value_t = 0)]
     pub seed: u32,

@@ -1,0 +1,220 @@
+//! The interface: bars, the panel of passes, the image, and what stands over it.
+
+use crate::panel::{Asked, panel};
+use crate::view::View;
+use egui::{Align, CentralPanel, Color32, ComboBox, Frame, Layout, Panel, RichText, ScrollArea};
+use egui::{Sense, TextEdit, Ui};
+use std::time::Instant;
+
+/// Draws everything, and does what is asked for.
+pub fn show(ui: &mut Ui, view: &mut View<'_>, image: Option<egui::TextureId>, now: Instant) {
+    if view.panels {
+        Panel::top("controls").show(ui, |ui| controls(ui, view));
+        Panel::bottom("status").show(ui, |ui| status(ui, view));
+        let side = Panel::left("passes").default_size(300.0).resizable(true);
+        side.show(ui, |ui| graph(ui, view));
+    }
+    let black = Frame::new().fill(Color32::BLACK);
+    CentralPanel::default().frame(black).show(ui, |ui| {
+        picture(ui, view, image, now);
+    });
+}
+
+/// Time, camera, resolution and pictures.
+fn controls(ui: &mut Ui, view: &mut View<'_>) {
+    ui.horizontal(|ui| {
+        let length = view.clock.length();
+        if length > 0.0 {
+            let name = if view.clock.playing { "pause" } else { "play" };
+            if ui.button(name).on_hover_text("Space").clicked() {
+                view.clock.toggle();
+            }
+            let mut time = view.clock.time();
+            let slider = egui::Slider::new(&mut time, 0.0..=length).suffix(" s");
+            if ui
+                .add(slider)
+                .on_hover_text("seconds into the animation")
+                .changed()
+            {
+                view.clock.scrub(time);
+            }
+            ui.separator();
+        }
+        camera(ui, view);
+        let mut scale = view.scale;
+        ComboBox::from_id_salt("scale")
+            .selected_text(format!("1 : {scale}"))
+            .width(50.0)
+            .show_ui(ui, |ui| {
+                for n in [1, 2, 3, 4, 8] {
+                    ui.selectable_value(&mut scale, n, format!("1 : {n}"));
+                }
+            })
+            .response
+            .on_hover_text("image pixels to window pixels");
+        view.scale = scale;
+        let restart = ui
+            .button("restart")
+            .on_hover_text("R: every history starts anew");
+        if restart.clicked() {
+            view.restart();
+        }
+        let picture = ui
+            .button("picture")
+            .on_hover_text("P: the image as PNG and EXR");
+        if picture.clicked() {
+            view.screenshot();
+        }
+        let hide = ui.button("hide").on_hover_text("H: the image alone");
+        if hide.clicked() {
+            view.panels = false;
+        }
+    });
+}
+
+fn camera(ui: &mut Ui, view: &mut View<'_>) {
+    let names: Vec<String> = view
+        .stage
+        .cameras()
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect();
+    let shown = match names.get(view.camera) {
+        _ if view.fly.is_taken() => "flying",
+        Some(name) => name,
+        None => "fixed",
+    };
+    let mut chosen = None;
+    ComboBox::from_id_salt("camera")
+        .selected_text(shown)
+        .show_ui(ui, |ui| {
+            for (i, name) in names.iter().enumerate() {
+                let here = i == view.camera && !view.fly.is_taken();
+                if ui.selectable_label(here, name).clicked() {
+                    chosen = Some(i);
+                }
+            }
+        })
+        .response
+        .on_hover_text("WASD, Q and E fly, Shift is faster, a drag turns, Home goes back");
+    if let Some(camera) = chosen {
+        view.go_to(camera);
+    }
+}
+
+/// The passes and their parameters, and where changes are saved.
+fn graph(ui: &mut Ui, view: &mut View<'_>) {
+    Panel::bottom("save").show(ui, |ui| save(ui, view));
+    let mut asked = Vec::new();
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        asked = panel(ui, view.running.pipeline());
+    });
+    let host = &view.stage.host;
+    for asked in asked {
+        match asked {
+            Asked::Set { pass, param, value } => view.running.set(&pass, param, value, host),
+            Asked::Bypass { pass, bypassed } => view.running.set_bypass(&pass, bypassed, host),
+        }
+    }
+}
+
+fn save(ui: &mut Ui, view: &mut View<'_>) {
+    let changed = !view.running.changes().is_empty();
+    ui.add(TextEdit::singleline(&mut view.variant).desired_width(f32::INFINITY))
+        .on_hover_text("where the variant goes");
+    ui.horizontal(|ui| {
+        let variant = ui.button("save variant");
+        let hint = "a graph that extends this one by what was changed here and on the command line";
+        if variant.on_hover_text(hint).clicked() {
+            view.save_variant();
+        }
+        ui.add_enabled_ui(changed, |ui| {
+            let graph = ui
+                .button("save")
+                .on_hover_text("write the changes into the graph file");
+            if graph.clicked() {
+                view.save_graph();
+            }
+            let revert = ui.button("revert").on_hover_text("forget the changes");
+            if revert.clicked() {
+                view.running.revert(&view.stage.host);
+            }
+        });
+    });
+}
+
+/// What goes on, in one line.
+fn status(ui: &mut Ui, view: &View<'_>) {
+    ui.horizontal(|ui| {
+        let milliseconds = 1e3 * view.pace().as_secs_f64();
+        let [w, h] = view.running.pipeline().size();
+        ui.monospace(format!("{milliseconds:6.1} ms  {w}x{h}"));
+        ui.separator();
+        if let Some(left) = view.running.building() {
+            ui.label(format!("building, {left} passes left"));
+        } else if view.running.problem().is_some() {
+            ui.colored_label(Color32::LIGHT_RED, "the last good graph runs");
+        } else {
+            ui.label(format!("{} reloads", view.running.swaps()));
+        }
+        let right = Layout::right_to_left(Align::Center);
+        ui.with_layout(right, |ui| ui.weak(&view.message));
+    });
+}
+
+/// The image, the camera's mouse, and mistakes over it.
+fn picture(ui: &mut Ui, view: &mut View<'_>, image: Option<egui::TextureId>, now: Instant) {
+    let area = ui.available_rect_before_wrap();
+    let pixels = area.size() * ui.pixels_per_point();
+    view.want_size([pixels.x as u32, pixels.y as u32], now);
+    let response = ui.allocate_rect(area, Sense::click_and_drag());
+    if response.clicked() || response.drag_started() {
+        // Keys fly again.
+        ui.memory_mut(|memory| memory.stop_text_input());
+    }
+    if response.dragged_by(egui::PointerButton::Primary) {
+        let drag = response.drag_delta();
+        view.fly.drag([drag.x, drag.y], area.height());
+    }
+    if let Some(image) = image {
+        let whole = egui::Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
+        ui.painter().image(image, area, whole, Color32::WHITE);
+    } else {
+        let text = "the graph has no output `display`";
+        let at = area.center();
+        let font = egui::FontId::proportional(16.0);
+        ui.painter()
+            .text(at, egui::Align2::CENTER_CENTER, text, font, Color32::GRAY);
+    }
+    mistakes(ui, view, area);
+}
+
+/// What is wrong with the files as they are, with excerpts, and what was lost of the window's changes.
+fn mistakes(ui: &mut Ui, view: &View<'_>, area: egui::Rect) {
+    let notes = view.running.notes();
+    let problem = view.running.problem();
+    if problem.is_none() && notes.is_empty() {
+        return;
+    }
+    let frame = Frame::new()
+        .fill(Color32::from_rgb(70, 12, 12))
+        .inner_margin(8);
+    let at = egui::Area::new(egui::Id::unique("mistakes"));
+    let at = at.fixed_pos(area.left_top() + egui::vec2(8.0, 8.0));
+    at.show(ui.ctx(), |ui| {
+        ui.set_max_width(area.width() - 16.0);
+        frame.show(ui, |ui| {
+            ScrollArea::both()
+                .max_height(0.6 * area.height())
+                .show(ui, |ui| {
+                    for note in notes {
+                        ui.label(RichText::new(note).color(Color32::WHITE));
+                    }
+                    if let Some(problem) = problem {
+                        let text = RichText::new(problem).monospace().color(Color32::WHITE);
+                        ui.add(egui::Label::new(text).extend());
+                    }
+                });
+        });
+    });
+}

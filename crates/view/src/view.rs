@@ -1,0 +1,298 @@
+//! All that the window does from frame to frame, without the window: time, camera, reload, the frame itself.
+
+use crate::clock::Clock;
+use crate::error::ViewError;
+use crate::fly::{Fly, Held};
+use crate::options::{Options, Start};
+use crate::running::Running;
+use crate::save::{self, SaveError};
+use crate::screenshot::screenshot;
+use crate::stage::Stage;
+use scumble::{Camera, GraphFile, Registry, resolve_text};
+use scumble_lab::Gpu;
+use scumble_metrics::write_atomic;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// A frame that took longer does not move the camera further: it would jump.
+const LONGEST_STEP: f32 = 0.5;
+/// How long a size must stand before the image follows it: every size but the last would start all histories anew for nothing.
+const SETTLED: Duration = Duration::from_millis(200);
+
+/// What the window shows, and what it is doing.
+pub struct View<'r> {
+    /// Device, scene and count of frames.
+    pub stage: Stage,
+    /// The graph.
+    pub running: Running<'r>,
+    /// The camera.
+    pub fly: Fly,
+    /// Animation time.
+    pub clock: Clock,
+    /// Which keys are held.
+    pub held: Held,
+    /// The scene's camera that is followed until the viewer flies.
+    pub camera: usize,
+    /// Window pixels per image pixel.
+    pub scale: u32,
+    /// Whether the panels are shown.
+    pub panels: bool,
+    /// Where a variant is saved.
+    pub variant: String,
+    /// What was done last, for the status line.
+    pub message: String,
+    registry: &'r Registry,
+    cut: bool,
+    size: Option<([u32; 2], Instant)>,
+    last: Option<Instant>,
+    pace: Duration,
+}
+
+impl<'r> View<'r> {
+    /// Builds the graph for its scene on a device.
+    ///
+    /// # Errors
+    /// A scene that does not fit, a camera that is not there, a graph that cannot be read or built.
+    pub fn new(options: Options, registry: &'r Registry, gpu: Gpu) -> Result<View<'r>, ViewError> {
+        let length = options
+            .scene
+            .as_ref()
+            .map_or(0.0, |scene| scene.animation.seconds());
+        let radius = options
+            .scene
+            .as_ref()
+            .map_or(1.0, |scene| 0.5 * scene.bounds().size().length());
+        let stage = Stage::new(gpu, options.scene, options.seed)?;
+        let cameras = stage.cameras();
+        let (number, camera) = match options.camera {
+            Start::Fixed(camera) => (usize::MAX, camera),
+            // A graph without a scene looks through none.
+            Start::Number(number) if stage.scene().is_none() => (number, Camera::default()),
+            Start::Number(number) => match cameras.get(number) {
+                Some((_, camera)) => (number, *camera),
+                None => {
+                    let count = cameras.len();
+                    return Err(ViewError::NoCamera { number, count });
+                }
+            },
+        };
+        let scale = options.scale.max(1);
+        let size = options.size.map(|n| (n / scale).max(1));
+        let (gpu, host) = (&stage.gpu, &stage.host);
+        let running = Running::new(registry, &options.graph, &options.edits, gpu, host, size)?;
+        let stem = options
+            .graph
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy();
+        let variant = options.graph.with_file_name(format!("{stem}-edited.ron"));
+        Ok(View {
+            stage,
+            running,
+            fly: Fly::new(camera, radius),
+            clock: Clock::new(length),
+            held: Held::default(),
+            camera: number,
+            scale,
+            panels: true,
+            variant: variant.display().to_string(),
+            message: String::new(),
+            registry,
+            cut: false,
+            size: None,
+            last: None,
+            pace: Duration::ZERO,
+        })
+    }
+
+    /// Renders the next frame at the time `now`.
+    ///
+    /// # Errors
+    /// The device is lost or out of memory, or a graph that ran fails.
+    pub fn frame(&mut self, now: Instant) -> Result<(), ViewError> {
+        self.stage.check_device()?;
+        let step = self.last.map_or(Duration::ZERO, |last| now - last);
+        self.last = Some(now);
+        // A mean over some ten frames, so that the number can be read.
+        self.pace = (9 * self.pace + step) / 10;
+        let seconds = step.as_secs_f32().min(LONGEST_STEP);
+        self.clock.advance(seconds);
+        self.fly.advance(self.held, seconds);
+        self.running.poll(now, &self.stage.gpu, &self.stage.host);
+        if let Some((size, since)) = self.size
+            && now.duration_since(since) >= SETTLED
+        {
+            self.running.pipeline_mut().resize(size);
+            self.size = None;
+        }
+        self.stage.pose(self.clock.time())?;
+        if let Some((_, camera)) = self.stage.cameras().get(self.camera) {
+            self.fly.follow(*camera);
+        }
+        let cut = std::mem::take(&mut self.cut);
+        let input = self.stage.next(self.fly.camera(), self.clock.time(), cut);
+        self.render(&input)
+    }
+
+    fn render(&mut self, input: &scumble::FrameInput) -> Result<(), ViewError> {
+        // Twice at most: the second time it is the graph that ran before, which is an error then.
+        loop {
+            let Stage { gpu, host, .. } = &mut self.stage;
+            let label = wgpu::CommandEncoderDescriptor {
+                label: Some("frame"),
+            };
+            let mut encoder = gpu.device.create_command_encoder(&label);
+            let rendered = self.running.render(&mut encoder, input, host);
+            if rendered.is_ok() {
+                gpu.queue.submit([encoder.finish()]);
+            }
+            // What wgpu says comes first: a pass fails because of it.
+            let checked = gpu.check();
+            self.stage.check_device()?;
+            match checked {
+                Ok(()) => {
+                    rendered?;
+                    self.running.confirm();
+                    return Ok(());
+                }
+                Err(error) => {
+                    if !self
+                        .running
+                        .fall_back(&error.to_string(), &self.stage.host)?
+                    {
+                        return Err(error.into());
+                    }
+                }
+            }
+        }
+    }
+
+    /// Wants the image to be of this size, in pixels of the window; it follows once that has settled.
+    pub fn want_size(&mut self, window: [u32; 2], now: Instant) {
+        let wanted = window.map(|n| (n / self.scale).max(1));
+        if wanted == self.running.pipeline().size() {
+            self.size = None;
+        } else if self.size.is_none_or(|(size, _)| size != wanted) {
+            self.size = Some((wanted, now));
+        }
+    }
+
+    /// Mean time between frames.
+    pub fn pace(&self) -> Duration {
+        self.pace
+    }
+
+    /// Starts every history anew in the next frame.
+    pub fn restart(&mut self) {
+        self.cut = true;
+        self.message = "every history starts anew".into();
+    }
+
+    /// Goes to one of the scene's cameras, and follows it.
+    pub fn go_to(&mut self, camera: usize) {
+        if let Some((_, place)) = self.stage.cameras().get(camera) {
+            self.camera = camera;
+            self.fly.put(*place);
+        }
+    }
+
+    /// Writes the last frame as PNG and EXR into the working directory.
+    pub fn screenshot(&mut self) {
+        let stem = self.running.path().file_stem().unwrap_or_default();
+        let name = stem.to_string_lossy().into_owned();
+        let pipeline = self.running.pipeline();
+        self.message = match screenshot(&self.stage.gpu, pipeline, Path::new(""), &name) {
+            Ok(files) => written(&files),
+            Err(error) => error.to_string(),
+        };
+    }
+
+    /// Writes what differs from the graph file, the command line's changes too, as a graph that extends it.
+    pub fn save_variant(&mut self) {
+        let path = PathBuf::from(&self.variant);
+        let running = &self.running;
+        let text = save::variant(running.path(), &path, running.base(), running.changes());
+        self.message = if path.exists() && same_file(&path, running.path()) {
+            "a variant cannot stand in the file that it extends".into()
+        } else {
+            match self
+                .as_it_runs(&path, &text)
+                .and_then(|()| Ok(write_atomic(&path, text.as_bytes())?))
+            {
+                Ok(()) => written(&[path]),
+                Err(error) => error.to_string(),
+            }
+        };
+    }
+
+    /// Writes the window's changes into the graph file.
+    pub fn save_graph(&mut self) {
+        self.message = match self.try_save_graph() {
+            Ok(()) => written(&[self.running.path().to_owned()]),
+            Err(error) => error.to_string(),
+        };
+    }
+
+    fn try_save_graph(&self) -> Result<(), NotSaved> {
+        let path = self.running.path();
+        let file = GraphFile::read(path).map_err(|_| NotSaved::Broken)?;
+        let text = save::edited(&file, self.running.changes())?;
+        let edits = self.running.base();
+        let resolved = resolve_text(&path.display().to_string(), &text, self.registry, edits);
+        self.same(resolved)?;
+        Ok(write_atomic(path, text.as_bytes())?)
+    }
+
+    /// Whether a text resolves to the graph that runs.
+    fn as_it_runs(&self, path: &Path, text: &str) -> Result<(), NotSaved> {
+        let name = path.display().to_string();
+        self.same(resolve_text(
+            &name,
+            text,
+            self.registry,
+            &scumble::Edits::default(),
+        ))
+    }
+
+    fn same(&self, graph: Result<scumble::Resolved, scumble::Diagnostics>) -> Result<(), NotSaved> {
+        let mut graph = graph.map_err(|mistakes| NotSaved::Wrong(mistakes.to_string()))?;
+        let running = self.running.pipeline().resolved();
+        graph.about.clone_from(&running.about);
+        match graph.to_string() == running.to_string() {
+            true => Ok(()),
+            false => Err(NotSaved::Differs),
+        }
+    }
+}
+
+fn written(files: &[PathBuf]) -> String {
+    let names: Vec<_> = files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect();
+    format!("wrote {}", names.join(", "))
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    match (std::fs::canonicalize(a), std::fs::canonicalize(b)) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    }
+}
+
+/// Why nothing was saved; no file was touched.
+#[derive(Debug, thiserror::Error)]
+enum NotSaved {
+    #[error(transparent)]
+    Misplaced(#[from] SaveError),
+    #[error("the graph file has mistakes: mend it first")]
+    Broken,
+    #[error("what would be saved is no graph: {0}")]
+    Wrong(String),
+    #[error(
+        "what would be saved is not what runs: a pass that the file bypasses runs here, or the file was changed since"
+    )]
+    Differs,
+    #[error(transparent)]
+    Write(#[from] scumble_metrics::MetricsError),
+}
