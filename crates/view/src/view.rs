@@ -8,7 +8,9 @@ use crate::running::Running;
 use crate::save::{self, SaveError};
 use crate::screenshot::screenshot;
 use crate::stage::Stage;
-use scumble::{Camera, GraphFile, Registry, resolve_text};
+use scumble::{
+    Camera, Diagnostics, Edits, FrameInput, GraphFile, Registry, Resolved, Source, resolve_text,
+};
 use scumble_lab::Gpu;
 use scumble_metrics::write_atomic;
 use std::path::{Path, PathBuf};
@@ -134,7 +136,7 @@ impl<'r> View<'r> {
         self.render(&input)
     }
 
-    fn render(&mut self, input: &scumble::FrameInput) -> Result<(), ViewError> {
+    fn render(&mut self, input: &FrameInput) -> Result<(), ViewError> {
         // Twice at most: the second time it is the graph that ran before, which is an error then.
         loop {
             let Stage { gpu, host, .. } = &mut self.stage;
@@ -147,15 +149,16 @@ impl<'r> View<'r> {
                 gpu.queue.submit([encoder.finish()]);
             }
             // What wgpu says comes first: a pass fails because of it.
-            let checked = gpu.check();
-            self.stage.check_device()?;
-            match checked {
+            match gpu.check() {
                 Ok(()) => {
                     rendered?;
                     self.running.confirm();
                     return Ok(());
                 }
                 Err(error) => {
+                    // A device that is lost says so once its work is done; whether waiting fails is all the same.
+                    let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+                    self.stage.check_device()?;
                     if !self
                         .running
                         .fall_back(&error.to_string(), &self.stage.host)?
@@ -246,23 +249,32 @@ impl<'r> View<'r> {
     /// Whether a text resolves to the graph that runs.
     fn as_it_runs(&self, path: &Path, text: &str) -> Result<(), NotSaved> {
         let name = path.display().to_string();
-        self.same(resolve_text(
-            &name,
-            text,
-            self.registry,
-            &scumble::Edits::default(),
-        ))
+        self.same(resolve_text(&name, text, self.registry, &Edits::default()))
     }
 
-    fn same(&self, graph: Result<scumble::Resolved, scumble::Diagnostics>) -> Result<(), NotSaved> {
-        let mut graph = graph.map_err(|mistakes| NotSaved::Wrong(mistakes.to_string()))?;
-        let running = self.running.pipeline().resolved();
-        graph.about.clone_from(&running.about);
-        match graph.to_string() == running.to_string() {
+    fn same(&self, graph: Result<Resolved, Diagnostics>) -> Result<(), NotSaved> {
+        let graph = graph.map_err(|mistakes| NotSaved::Wrong(mistakes.to_string()))?;
+        match is_same(&graph, self.running.pipeline().resolved()) {
             true => Ok(()),
             false => Err(NotSaved::Differs),
         }
     }
+}
+
+/// Whether two graphs do the same; their files may stand in different folders.
+fn is_same(a: &Resolved, b: &Resolved) -> bool {
+    let wires = |graph: &Resolved| -> Vec<Option<String>> {
+        let inputs = graph.passes.iter().flat_map(|pass| &pass.inputs);
+        let inputs = inputs.map(|(_, source)| source.as_ref());
+        let outputs = graph.outputs.iter().map(|(_, source)| Some(source));
+        let name = |source: Option<&Source>| source.map(|source| graph.source_name(source));
+        inputs.chain(outputs).map(name).collect()
+    };
+    let mut passes = a.passes.iter().zip(&b.passes);
+    a.sky == b.sky
+        && a.passes.len() == b.passes.len()
+        && passes.all(|(a, b)| (&a.name, a.bypassed, &a.params) == (&b.name, b.bypassed, &b.params))
+        && wires(a) == wires(b)
 }
 
 fn written(files: &[PathBuf]) -> String {
