@@ -47,7 +47,7 @@ impl Plan<'_> {
         let mut last = u32::MAX;
         for step in steps.iter().filter(on) {
             if !step.batch.is_empty() {
-                self.batch_inside(&mut pass, pool, &real.physical, step);
+                self.batch_inside(&mut pass, real, step);
             }
             let node = step.node as usize;
             if debug.labels || timed && inside {

@@ -1,10 +1,11 @@
-//! What a schedule became in its pool: the memory of each resource and the bind group of each node, kept
-//! while nothing that decides them changes.
+//! What a schedule became in its pool: the memory of each resource, the bind group of each node and the views
+//! that barriers in compute passes name, kept while nothing that decides them changes.
 
 use crate::compile::Schedule;
 use crate::graph::{Import, Kind, Work};
+use crate::handle::Subresources;
 use crate::kernel::Kernel;
-use crate::plan::Plan;
+use crate::plan::{Plan, StepKind};
 use crate::pool::{Physical, Pool};
 
 #[derive(Default)]
@@ -27,6 +28,9 @@ pub(crate) struct Realized {
     groups: Vec<Option<wgpu::BindGroup>>,
     /// For each access, the number of what it was when its node's group was found.
     seen: Vec<u32>,
+    /// For each transition in a batch in front of a dispatch the view of what changes state and the number of its
+    /// memory; `None` for buffers.
+    views: Vec<Option<(u32, wgpu::TextureView)>>,
 }
 
 impl Realized {
@@ -41,6 +45,11 @@ impl Realized {
     /// The bind group of a node's group 0.
     pub fn group(&self, node: usize) -> Option<&wgpu::BindGroup> {
         self.groups.get(node)?.as_ref()
+    }
+
+    /// The view of a transition that stands in front of a dispatch.
+    pub fn view(&self, transition: usize) -> Option<&wgpu::TextureView> {
+        Some(&self.views.get(transition)?.as_ref()?.1)
     }
 
     /// Finds memory and bind groups for a frame. Of a frame like the last, only what comes from outside is
@@ -63,6 +72,9 @@ impl Realized {
         let moved = upload != std::mem::replace(&mut self.upload, upload);
         if moved || !same {
             self.bind(plan, pool, moved);
+        }
+        if !same {
+            self.look(plan, pool);
         }
     }
 
@@ -114,6 +126,44 @@ impl Realized {
                 self.groups[n as usize] = Some(group);
             }
         }
+    }
+
+    /// Finds the views of batches, where they are of something else than before.
+    fn look(&mut self, plan: &Plan<'_>, pool: &mut Pool) {
+        let transitions = &plan.schedule.transitions;
+        let dispatches = plan.schedule.steps.iter();
+        let inside = dispatches.filter(|s| s.kind == StepKind::Dispatch && !s.batch.is_empty());
+        for i in inside.flat_map(|s| s.batch.clone()) {
+            let (i, t) = (i as usize, &transitions[i as usize]);
+            let physical = &self.physical[t.resource as usize];
+            if self.views.len() <= i {
+                self.views.resize(transitions.len(), None);
+            }
+            if self.views[i].as_ref().map_or(0, |(id, _)| *id) == physical.id() {
+                continue;
+            }
+            self.views[i] = match physical {
+                Physical::Texture(texture, id, format) => {
+                    let (dimension, all) = (dimension(texture, t.range), wgpu::TextureAspect::All);
+                    let view = pool
+                        .cache
+                        .view((texture, *id, *format), t.range, dimension, all);
+                    Some((*id, view.clone()))
+                }
+                _ => None,
+            };
+        }
+    }
+}
+
+/// That of a view of any range; what it is seen as does not matter.
+fn dimension(texture: &wgpu::Texture, range: Subresources) -> wgpu::TextureViewDimension {
+    use wgpu::TextureViewDimension as D;
+    match texture.dimension() {
+        wgpu::TextureDimension::D1 => D::D1,
+        wgpu::TextureDimension::D2 if range.layers == 1 => D::D2,
+        wgpu::TextureDimension::D2 => D::D2Array,
+        wgpu::TextureDimension::D3 => D::D3,
     }
 }
 

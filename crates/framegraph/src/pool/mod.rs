@@ -58,8 +58,6 @@ pub struct Pool {
     pub(crate) captures: Captures,
     /// What the schedules encoded last became, the last first.
     pub(crate) realized: Vec<Realized>,
-    /// Where the views of a batch are put together; empty in between.
-    pub(crate) views: Vec<wgpu::TextureView>,
     /// What graphs hold that are done with histories.
     pub(crate) no_states: Arc<HistoryStates>,
     pub(crate) exports: HashMap<Label, Physical, Hasher>,
@@ -92,7 +90,6 @@ impl Pool {
             patterns: Patterns::default(),
             captures: Captures::default(),
             realized: Vec::new(),
-            views: Vec::new(),
             no_states: Arc::default(),
             exports: HashMap::default(),
             frames: 0,
