@@ -10,7 +10,7 @@ pub struct Recombine {
 impl Pass for Recombine {
     type Params = NoParams;
     const NAME: &'static str = "recombine";
-    const ABOUT: &'static str = "Adds emission, direct light, albedo / pi times indirect irradiance, and indirect specular light";
+    const ABOUT: &'static str = "Adds emission, direct light, albedo / pi times indirect irradiance, and other indirect light";
     const README: &'static str = include_str!("README.md");
 
     fn inputs() -> Vec<Port> {
@@ -27,6 +27,9 @@ impl Pass for Recombine {
             Port::new("specular", signal::SPECULAR)
                 .optional()
                 .about("L_spec,ind, indirect light by the specular lobe"),
+            Port::new("indirect", signal::RADIANCE)
+                .optional()
+                .about("indirect light that was not parted, albedo and all"),
             Port::new("albedo", signal::ALBEDO).about("k_d"),
         ]
     }

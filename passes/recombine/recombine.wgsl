@@ -1,5 +1,5 @@
 // Recombination of separately filtered light:
-//   L = L_e + L_dir + k_d / pi E_ind + L_spec,ind
+//   L = L_e + L_dir + k_d / pi E_ind + L_spec,ind + L_ind
 // M. Boughida, T. Groueix, T. Boubekeur, "Interactive Monte-Carlo Ray-Tracing Upsampling", Eurographics 2016, section 2, with
 // the emission L_e of the visible surface (J. T. Kajiya, "The Rendering Equation", SIGGRAPH 1986) written out.
 
@@ -9,8 +9,9 @@
 @group(0) @binding(1) var direct: texture_2d<f32>;
 @group(0) @binding(2) var irradiance: texture_2d<f32>;
 @group(0) @binding(3) var specular: texture_2d<f32>;
-@group(0) @binding(4) var albedo: texture_2d<f32>;
-@group(0) @binding(5) var out_radiance: texture_storage_2d<{{radiance.format}}, write>;
+@group(0) @binding(4) var indirect: texture_2d<f32>;
+@group(0) @binding(5) var albedo: texture_2d<f32>;
+@group(0) @binding(6) var out_radiance: texture_storage_2d<{{radiance.format}}, write>;
 
 const INV_PI: f32 = 0.31830988618;
 
@@ -19,9 +20,10 @@ struct Params {
     has_direct: u32,
     has_irradiance: u32,
     has_specular: u32,
+    has_indirect: u32,
 }
 
-@group(0) @binding(6) var<uniform> params: Params;
+@group(0) @binding(7) var<uniform> params: Params;
 
 // A term that is not wired, or bad in this texel, adds nothing.
 fn term(v: vec3f, wired: u32) -> vec3f {
@@ -39,6 +41,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let l = term(textureLoad(emission, p, 0).rgb, params.has_emission)
         + term(textureLoad(direct, p, 0).rgb, params.has_direct)
         + k_d * INV_PI * e
-        + term(textureLoad(specular, p, 0).rgb, params.has_specular);
+        + term(textureLoad(specular, p, 0).rgb, params.has_specular)
+        + term(textureLoad(indirect, p, 0).rgb, params.has_indirect);
     textureStore(out_radiance, p, vec4f(clamp_f16(l), 1.0));
 }

@@ -9,6 +9,7 @@
 //! |---|---|---|
 //! | irradiance | irradiance | k_d left out |
 //! | specular | specular | |
+//! | radiance | radiance | both together, seen at the traced pixel: k_d / pi E + L_spec |
 //! | hit_t | hit_t | 1e30 where no first segment hit anything |
 //! | normal, view_z, surface_id, motion, past_view_z | of the same name | of the traced pixel |
 //! | pixel | pixel | which pixel was traced |
@@ -50,6 +51,7 @@ const STREAM: u32 = 0x7370_6172;
 pub struct SparseIndirect {
     trace: ComputeKernel,
     light: ComputeKernel,
+    radiance: ComputeKernel,
     guides: ComputeKernel,
     past: ComputeKernel,
 }
@@ -80,6 +82,11 @@ impl Pass for SparseIndirect {
                 "specular",
                 signal::SPECULAR,
                 "indirect radiance of the specular lobe",
+            ),
+            port(
+                "radiance",
+                signal::RADIANCE,
+                "indirect light of both lobes as it is seen, albedo and all",
             ),
             port(
                 "hit_t",
@@ -119,6 +126,7 @@ impl Pass for SparseIndirect {
                 &scene,
             )?,
             light: ctx.kernel("sparse-indirect/resolve.wgsl", resolve, "resolve_light")?,
+            radiance: ctx.kernel("sparse-indirect/resolve.wgsl", resolve, "resolve_radiance")?,
             guides: ctx.kernel("sparse-indirect/resolve.wgsl", resolve, "copy_guides")?,
             past: ctx.kernel("sparse-indirect/resolve.wgsl", resolve, "copy_past")?,
         })
@@ -144,6 +152,15 @@ impl Pass for SparseIndirect {
             .texture("specular_sums", specular)
             .set("grid_phase", phase)
             .over(grid)?;
+        if frame.wants("radiance") {
+            let radiance = frame.dispatch("resolve radiance", &self.radiance);
+            clamps
+                .bind(radiance)
+                .texture("irradiance_sums", irradiance)
+                .texture("specular_sums", specular)
+                .set("grid_phase", phase)
+                .over(grid)?;
+        }
         if ["normal", "view_z", "surface_id", "motion"]
             .iter()
             .any(|port| frame.wants(port))

@@ -1,5 +1,5 @@
-// The grid's signals from the sums of sparse-indirect/trace.wgsl, E = sum E / n and L_spec = sum L_spec / n, and beside
-// them the guides of the traced pixels, copied from the G-buffer.
+// The grid's signals from the sums of sparse-indirect/trace.wgsl, E = sum E / n, L_spec = sum L_spec / n and
+// L = k_d / pi E + L_spec, and beside them the guides of the traced pixels, copied from the G-buffer.
 // Boughida, Groueix, Boubekeur 2016, section 2, steps 2 and 5 ("guided by depth and normal").
 
 #include "scumble/conventions.wgsl"
@@ -29,6 +29,10 @@ struct Params {
 @group(0) @binding(15) var out_motion: texture_storage_2d<rg32float, write>;
 @group(0) @binding(16) var past_view_z: texture_2d<f32>;
 @group(0) @binding(17) var out_past_view_z: texture_storage_2d<r32float, write>;
+@group(0) @binding(18) var albedo: texture_2d<f32>;
+@group(0) @binding(19) var out_radiance: texture_storage_2d<{{radiance.format}}, write>;
+
+const INV_PI: f32 = 0.31830988618;
 
 @compute @workgroup_size(8, 8)
 fn resolve_light(@builtin(global_invocation_id) id: vec3u) {
@@ -49,6 +53,23 @@ fn resolve_light(@builtin(global_invocation_id) id: vec3u) {
     textureStore(out_hit_t, texel, vec4f(hit_t, 0.0, 0.0, 0.0));
     textureStore(out_pixel, texel, vec4u(pixel, 0u, 0u));
     if any(max(e, s) > vec3f(F16_MAX)) {
+        atomicAdd(&clamps, 1u);
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn resolve_radiance(@builtin(global_invocation_id) id: vec3u) {
+    let texel = id.xy;
+    if any(texel >= textureDimensions(irradiance_sums)) {
+        return;
+    }
+    let n = f32(params.samples);
+    let e = textureLoad(irradiance_sums, texel, 0).xyz / n;
+    let s = textureLoad(specular_sums, texel, 0).xyz / n;
+    let pixel = traced_pixel(texel, params.spacing, params.grid_phase, textureDimensions(albedo));
+    let l = textureLoad(albedo, pixel, 0).xyz * INV_PI * e + s;
+    textureStore(out_radiance, texel, vec4f(clamp_f16(l), 1.0));
+    if any(l > vec3f(F16_MAX)) {
         atomicAdd(&clamps, 1u);
     }
 }

@@ -51,6 +51,39 @@ fn guides_are_those_of_the_traced_pixel() {
     }
 }
 
+/// The radiance of a texel is k_d / pi E + L_spec with the albedo of the pixel that was traced.
+#[test]
+fn radiance_is_both_lobes_at_the_traced_pixel() {
+    let graph = r#"(version: 1, about: "test", passes: [
+        (use: "gbuffer", with: (source: RayTraced)),
+        (use: "sparse-indirect", with: (spacing: 4, samples: 8, phase: 3)),
+    ], outputs: {"albedo": "gbuffer.albedo", "e": "sparse-indirect.irradiance",
+        "s": "sparse-indirect.specular", "l": "sparse-indirect.radiance"})"#;
+    let size = [37, 21];
+    let mut rig = Rig::new(graph, room(), size);
+    rig.render(&rig.still(0, 1));
+    let [albedo, e, s, l] = ["albedo", "e", "s", "l"].map(|output| rig.read(output));
+    let mut brightest = 0.0f64;
+    for (texel, l) in l.iter().enumerate() {
+        let [i, j] = [texel as u32 % 10, texel as u32 / 10];
+        let pixel = (j * 4 + 3).min(size[1] - 1) * size[0] + (i * 4 + 3).min(size[0] - 1);
+        for c in 0..3 {
+            let k_d = f64::from(albedo[pixel as usize][c]);
+            let expected =
+                k_d / std::f64::consts::PI * f64::from(e[texel][c]) + f64::from(s[texel][c]);
+            // E and L_spec are stored as half floats, which loses at most one unit of 11 bits of their sum, and so is L.
+            let bound = 2.0 * 2f64.powi(-10) * expected + 1e-7;
+            assert!(
+                (f64::from(l[c]) - expected).abs() <= bound,
+                "texel {texel}: {} for {expected}",
+                l[c]
+            );
+            brightest = brightest.max(expected);
+        }
+    }
+    assert!(brightest > 0.01, "nothing was lit: {brightest}");
+}
+
 /// A moving phase stays in its cell, and 36 frames trace all 36 cells of 4 x 9 in a cell of 36 x 36.
 #[test]
 fn a_moving_phase_visits_the_whole_cell() {
