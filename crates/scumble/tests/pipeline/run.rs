@@ -84,7 +84,7 @@ fn a_tap_that_is_taken_back_leaves_the_frame_as_it_was() {
         [8, 8],
     );
     rig.pipeline.keep_plan(true);
-    let mut plan = |rig: &mut Rig| {
+    let plan = |rig: &mut Rig| {
         rig.frame(0, "out");
         rig.pipeline.plan().unwrap().text.clone()
     };
