@@ -58,7 +58,13 @@ pub fn readback(
 pub struct Readback {
     buffer: wgpu::Buffer,
     layout: Layout,
-    done: Option<Receiver<Result<(), wgpu::BufferAsyncError>>>,
+    done: Option<Done>,
+}
+
+/// The answer to the wish to map a buffer.
+enum Done {
+    Asked(Receiver<Result<(), wgpu::BufferAsyncError>>),
+    Is(Result<(), ReadbackError>),
 }
 
 /// How texels lie in a buffer.
@@ -167,24 +173,33 @@ impl Readback {
     /// Asks for the texels; call it once the encoder is submitted.
     pub fn submitted(&mut self) {
         if self.done.is_none() {
-            self.done = Some(map(&self.buffer));
+            self.done = Some(Done::Asked(map(&self.buffer)));
         }
     }
 
-    /// The texels, once, when they are there; a host that renders frames polls its device, which makes them come.
-    /// Errors are those of a device that is gone.
+    /// Whether [`Readback::take`] gives something; a host that renders frames polls its device, which makes it come.
+    pub fn is_there(&mut self) -> bool {
+        if let Some(Done::Asked(answer)) = &self.done {
+            let failed = |message: String| Err(ReadbackError::Device(message));
+            let done = match answer.try_recv() {
+                Err(TryRecvError::Empty) => return false,
+                Err(TryRecvError::Disconnected) => failed("it went away".to_owned()),
+                Ok(result) => result.or_else(|error| failed(error.to_string())),
+            };
+            self.done = Some(Done::Is(done));
+        }
+        self.done.is_some()
+    }
+
+    /// The texels, once, when they are there. Errors are those of a device that is gone.
     pub fn take(&mut self) -> Option<Result<Texels, ReadbackError>> {
-        let result = match self.done.as_ref()?.try_recv() {
-            Ok(result) => result,
-            Err(TryRecvError::Empty) => return None,
-            Err(TryRecvError::Disconnected) => {
-                self.done = None;
-                return Some(Err(ReadbackError::Device("it went away".to_owned())));
-            }
+        if !self.is_there() {
+            return None;
+        }
+        let Some(Done::Is(done)) = self.done.take() else {
+            return None;
         };
-        self.done = None;
-        let bytes = result.map_err(|e| ReadbackError::Device(e.to_string()));
-        let bytes = bytes.and_then(|()| bytes_of(&self.buffer));
+        let bytes = done.and_then(|()| bytes_of(&self.buffer));
         Some(bytes.map(|bytes| self.layout.texels(bytes)))
     }
 }
