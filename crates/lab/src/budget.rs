@@ -98,7 +98,7 @@ pub fn spend(graph: &mut Resolved, paths: f64) -> Vec<Spending> {
 }
 
 /// What [`spend`] sets, as `pass.parameter` and value.
-pub(crate) fn spent_params(graph: &Resolved, paths: f64) -> Vec<(String, Value)> {
+pub fn spent_params(graph: &Resolved, paths: f64) -> Vec<(String, Value)> {
     let mut graph = graph.clone();
     spend(&mut graph, paths);
     let of = |param: String| {

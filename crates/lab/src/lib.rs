@@ -26,7 +26,7 @@ mod statistics;
 mod student;
 
 pub use baseline::{Allowance, Baseline, BaselineError, Rise};
-pub use budget::{Spending, budget_params, spend, spending};
+pub use budget::{Spending, budget_params, spend, spending, spent_params};
 pub use device::{DeviceError, Gpu};
 pub use error::LabError;
 pub use experiment::{

@@ -2,8 +2,13 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod background;
+pub mod budget;
 mod changes;
 mod clock;
+pub mod compare;
+pub mod display;
+pub mod drawing;
 mod error;
 mod fly;
 mod gui;
