@@ -128,7 +128,7 @@ pub struct RenderArgs {
     pub json: bool,
 }
 
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct EditArgs {
     /// Set a parameter, as in a graph file's `set`; may be given several times
     #[arg(long, value_name = "PASS.PARAM=VALUE", value_parser = parse_set)]

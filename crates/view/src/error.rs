@@ -29,6 +29,9 @@ pub enum ViewError {
     /// What its passes need.
     #[error(transparent)]
     Pipeline(#[from] scumble::PipelineError),
+    /// What paints ports.
+    #[error(transparent)]
+    Display(#[from] crate::display::DisplayError),
     /// The scene does not fit the device.
     #[error(transparent)]
     Scene(#[from] scumble_scene::GpuSceneError),

@@ -1,22 +1,24 @@
 //! The interface: bars, the panel of passes, the image, and what stands over it.
 
 use crate::panel::{Asked, panel};
+use crate::screen::panels;
 use crate::view::View;
 use egui::{Align, CentralPanel, Color32, ComboBox, Frame, Layout, Panel, RichText, ScrollArea};
-use egui::{Sense, TextEdit, Ui};
+use egui::{Sense, TextEdit, TextureId, Ui};
 use std::time::Instant;
 
 /// Draws everything, and does what is asked for.
-pub fn show(ui: &mut Ui, view: &mut View<'_>, image: Option<egui::TextureId>, now: Instant) {
+pub fn show(ui: &mut Ui, view: &mut View<'_>, images: [Option<TextureId>; 2], now: Instant) {
     if view.panels {
         Panel::top("controls").show(ui, |ui| controls(ui, view));
         Panel::bottom("status").show(ui, |ui| status(ui, view));
         let side = Panel::left("passes").default_size(300.0).resizable(true);
         side.show(ui, |ui| graph(ui, view));
+        panels::below(ui, view);
     }
     let black = Frame::new().fill(Color32::BLACK);
     CentralPanel::default().frame(black).show(ui, |ui| {
-        picture(ui, view, image, now);
+        picture(ui, view, images, now);
     });
 }
 
@@ -163,7 +165,7 @@ fn status(ui: &mut Ui, view: &View<'_>) {
 }
 
 /// The image, the camera's mouse, and mistakes over it.
-fn picture(ui: &mut Ui, view: &mut View<'_>, image: Option<egui::TextureId>, now: Instant) {
+fn picture(ui: &mut Ui, view: &mut View<'_>, images: [Option<TextureId>; 2], now: Instant) {
     let area = ui.available_rect_before_wrap();
     let pixels = area.size() * ui.pixels_per_point();
     view.want_size([pixels.x as u32, pixels.y as u32], now);
@@ -176,11 +178,9 @@ fn picture(ui: &mut Ui, view: &mut View<'_>, image: Option<egui::TextureId>, now
         let drag = response.drag_delta();
         view.fly.drag([drag.x, drag.y], area.height());
     }
-    if let Some(image) = image {
-        let whole = egui::Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
-        ui.painter().image(image, area, whole, Color32::WHITE);
-    } else {
-        let text = "the graph has no output `display`";
+    let (hover, running) = (response.hover_pos(), &view.running);
+    let nothing = view.screen.pictures_in(ui, area, hover, images, running);
+    if let Some(text) = nothing {
         let at = area.center();
         let font = egui::FontId::proportional(16.0);
         ui.painter()

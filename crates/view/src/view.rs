@@ -6,6 +6,7 @@ use crate::fly::{Fly, Held};
 use crate::options::{Options, Start};
 use crate::running::Running;
 use crate::save::{self, SaveError};
+use crate::screen::Screen;
 use crate::screenshot::screenshot;
 use crate::stage::Stage;
 use scumble::{
@@ -27,6 +28,8 @@ pub struct View<'r> {
     pub stage: Stage,
     /// The graph.
     pub running: Running<'r>,
+    /// What is shown of it.
+    pub screen: Screen<'r>,
     /// The camera.
     pub fly: Fly,
     /// Animation time.
@@ -55,7 +58,11 @@ impl<'r> View<'r> {
     ///
     /// # Errors
     /// A scene that does not fit, a camera that is not there, a graph that cannot be read or built.
-    pub fn new(options: Options, registry: &'r Registry, gpu: Gpu) -> Result<View<'r>, ViewError> {
+    pub fn new(
+        mut options: Options,
+        registry: &'r Registry,
+        gpu: Gpu,
+    ) -> Result<View<'r>, ViewError> {
         let length = options
             .scene
             .as_ref()
@@ -64,7 +71,8 @@ impl<'r> View<'r> {
             .scene
             .as_ref()
             .map_or(1.0, |scene| 0.5 * scene.bounds().size().length());
-        let stage = Stage::new(gpu, options.scene, options.seed)?;
+        let scene = options.scene.take();
+        let stage = Stage::new(gpu, scene, options.seed)?;
         let cameras = stage.cameras();
         let (number, camera) = match options.camera {
             Start::Fixed(camera) => (usize::MAX, camera),
@@ -82,6 +90,7 @@ impl<'r> View<'r> {
         let size = options.size.map(|n| (n / scale).max(1));
         let (gpu, host) = (&stage.gpu, &stage.host);
         let running = Running::new(registry, &options.graph, &options.edits, gpu, host, size)?;
+        let screen = Screen::new(&options, registry, &stage, size)?;
         let stem = options
             .graph
             .file_stem()
@@ -91,6 +100,7 @@ impl<'r> View<'r> {
         Ok(View {
             stage,
             running,
+            screen,
             fly: Fly::new(camera, radius),
             clock: Clock::new(length),
             held: Held::default(),
@@ -139,6 +149,7 @@ impl<'r> View<'r> {
     fn render(&mut self, input: &FrameInput) -> Result<(), ViewError> {
         // Twice at most: the second time it is the graph that ran before, which is an error then.
         loop {
+            self.screen.begin(&mut self.running);
             let Stage { gpu, host, .. } = &mut self.stage;
             let label = wgpu::CommandEncoderDescriptor {
                 label: Some("frame"),
@@ -146,14 +157,17 @@ impl<'r> View<'r> {
             let mut encoder = gpu.device.create_command_encoder(&label);
             let rendered = self.running.render(&mut encoder, input, host);
             if rendered.is_ok() {
+                self.screen.record(&gpu.device, &mut encoder, &self.running);
                 gpu.queue.submit([encoder.finish()]);
+                self.screen.submitted(&gpu.device, &mut self.running);
             }
             // What wgpu says comes first: a pass fails because of it.
             match gpu.check() {
                 Ok(()) => {
                     rendered?;
                     self.running.confirm();
-                    return Ok(());
+                    let (stage, running) = (&mut self.stage, &self.running);
+                    return self.screen.frame_of_other(stage, input, running);
                 }
                 Err(error) => {
                     // A device that is lost says so once its work is done; whether waiting fails is all the same.

@@ -128,11 +128,15 @@ impl<'r> Open<'r> {
         let surface = instance.create_surface(window.clone());
         let surface = surface.map_err(|error| refused(error.to_string()))?;
         let adapter = adapter(&instance, &surface, options.adapter.as_deref())?;
-        let graph = resolve(&options.graph, registry, &Edits::default());
-        // What is wrong with it is told when it is built.
-        let features = graph.map_or(wgpu::Features::empty(), |graph| {
-            Pipeline::requirements(&graph).features
+        let files = [Some(&options.graph), options.compare.as_ref()];
+        let features = files.into_iter().flatten().map(|file| {
+            // What is wrong with it is told when it is built.
+            let graph = resolve(file, registry, &Edits::default());
+            graph.map_or(wgpu::Features::empty(), |graph| {
+                Pipeline::requirements(&graph).features
+            })
         });
+        let features = features.fold(wgpu::Features::empty(), |all, of| all | of);
         let gpu = Gpu::open(&adapter, features & adapter.features())?;
         let size = window.inner_size();
         let config = surface.get_default_config(&adapter, size.width.max(1), size.height.max(1));
@@ -185,6 +189,7 @@ impl<'r> Open<'r> {
             KeyCode::Space => view.clock.toggle(),
             KeyCode::KeyR => view.restart(),
             KeyCode::KeyP => view.screenshot(),
+            KeyCode::KeyG => view.screen.wanted.drawn = !view.screen.wanted.drawn,
             KeyCode::KeyH => view.panels = !view.panels,
             KeyCode::Home => view.go_to(view.camera),
             _ => {}
@@ -194,14 +199,14 @@ impl<'r> Open<'r> {
     fn redraw(&mut self) -> Result<(), ViewError> {
         let now = Instant::now();
         self.view.frame(now)?;
-        let (gpu, pipeline) = (&self.view.stage.gpu, self.view.running.pipeline());
+        let gpu = &self.view.stage.gpu;
         let (device, queue) = (gpu.device.clone(), gpu.queue.clone());
-        let shown = pipeline.output("display");
-        let image = shown.map(|texture| self.gui.image(&device, texture));
+        let shown = self.view.screen.pictures();
+        let images = shown.map(|texture| texture.map(|texture| self.gui.image(&device, texture)));
         let view = &mut self.view;
         let output = self
             .gui
-            .run(&self.window, |ui| interface::show(ui, view, image, now));
+            .run(&self.window, |ui| interface::show(ui, view, images, now));
         if let Some(target) = self.target()? {
             let parts = (&device, &queue);
             self.gui.paint(parts, &self.window, output, &target.texture);
@@ -210,7 +215,8 @@ impl<'r> Open<'r> {
         } else {
             self.gui.skip(&device, &queue, output);
         }
-        self.gui.keep_images(image.as_slice());
+        let used: Vec<_> = images.into_iter().flatten().collect();
+        self.gui.keep_images(&used);
         Ok(self.view.stage.gpu.check()?)
     }
 

@@ -1,6 +1,6 @@
 //! The command line of `scumble view`.
 
-use super::values::parse_size;
+use super::values::{parse_positive, parse_size};
 use super::{AdapterArgs, EditArgs, OptionalScene};
 use crate::camera::CameraChoice;
 use clap::Args;
@@ -30,6 +30,13 @@ pub struct ViewArgs {
     /// A pixel of the image is so many pixels of the window wide and high: more for slow adapters
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
     pub scale: u32,
+    /// Show a second graph beside it, the same frames on both sides of a line to drag, and how far they are apart: the
+    /// second is the reference
+    #[arg(long, value_name = "GRAPH")]
+    pub compare: Option<PathBuf>,
+    /// Let every tracer spend as much as makes a frame take so many milliseconds
+    #[arg(long, value_name = "MS", value_parser = parse_positive)]
+    pub budget_ms: Option<f64>,
     /// Seed of all random numbers
     #[arg(long, default_value_t = 0)]
     pub seed: u32,

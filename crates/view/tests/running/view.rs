@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 fn view<'r>(folder: &Folder, registry: &'r Registry, gpu: Gpu, base: Edits) -> View<'r> {
     let options = Options {
         graph: folder.path("graph.ron"),
+        compare: None,
+        budget_ms: None,
         edits: base,
         scene: None,
         camera: Start::Number(0),
