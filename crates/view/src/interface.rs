@@ -201,20 +201,23 @@ fn mistakes(ui: &mut Ui, view: &View<'_>, area: egui::Rect) {
         .inner_margin(8);
     let at = egui::Area::new(egui::Id::unique("mistakes"));
     let at = at.fixed_pos(area.left_top() + egui::vec2(8.0, 8.0));
+    let room = area.size() - egui::vec2(32.0, 32.0);
     at.show(ui.ctx(), |ui| {
-        ui.set_max_width(area.width() - 16.0);
         frame.show(ui, |ui| {
-            ScrollArea::both()
-                .max_height(0.6 * area.height())
-                .show(ui, |ui| {
-                    for note in notes {
-                        ui.label(RichText::new(note).color(Color32::WHITE));
-                    }
-                    if let Some(problem) = problem {
-                        let text = RichText::new(problem).monospace().color(Color32::WHITE);
-                        ui.add(egui::Label::new(text).extend());
-                    }
-                });
+            // As large as its content while there is room, whatever stood here before.
+            let scroll = ScrollArea::both().max_height(room.y).max_width(room.x);
+            let scroll = scroll
+                .min_scrolled_height(room.y)
+                .min_scrolled_width(room.x);
+            scroll.show(ui, |ui| {
+                for note in notes {
+                    ui.label(RichText::new(note).color(Color32::WHITE));
+                }
+                if let Some(problem) = problem {
+                    let text = RichText::new(problem).monospace().color(Color32::WHITE);
+                    ui.add(egui::Label::new(text).extend());
+                }
+            });
         });
     });
 }
