@@ -1,7 +1,9 @@
 //! The registry: which passes, signals and WGSL modules there are, without their Rust types.
 
+use std::collections::HashMap;
 use std::fmt;
 use std::ops::Range;
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use crate::context::{BuildContext, BuildError};
@@ -126,6 +128,21 @@ impl PassType {
     }
 }
 
+// Without `.` and, as far as there is a folder before it, `..`.
+fn folded(path: &Path) -> PathBuf {
+    let mut parts = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if parts.file_name().is_some() => {
+                parts.pop();
+            }
+            _ => parts.push(part),
+        }
+    }
+    parts
+}
+
 // Parameters of another type cannot reach a pass through a resolved graph; defaults stand in.
 fn typed<P: Pass, T>(params: &ErasedParams, f: impl Fn(&P::Params) -> T) -> T {
     match params.downcast_ref::<P::Params>() {
@@ -158,12 +175,13 @@ pub struct WgslPassError {
 pub type WgslLoader = fn(&str, &str, &Registry) -> Result<PassType, Vec<WgslPassError>>;
 
 /// The passes, signals and WGSL modules that graphs may use.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Registry {
     passes: Vec<Arc<PassType>>,
     signals: Vec<Signal>,
     modules: Modules,
     wgsl_loader: Option<WgslLoader>,
+    files: HashMap<PathBuf, String>,
 }
 
 impl Registry {
@@ -223,6 +241,28 @@ impl Registry {
     /// The WGSL modules.
     pub fn modules(&self) -> &Modules {
         &self.modules
+    }
+
+    /// Adds the text of a file that graphs may use or extend as if it stood at `path`: a host that keeps its files in an archive
+    /// or behind an asset system needs none on the disk. It goes before a file on the disk; a text of the same path is replaced.
+    ///
+    /// ```
+    /// use scumble::{Edits, Registry, resolve_text};
+    ///
+    /// let mut registry = Registry::new();
+    /// registry.add_file("assets/base.ron", "what an archive holds under this name");
+    /// let graph = r#"(version: 1, extends: "base.ron")"#;
+    /// let mistakes = resolve_text("assets/graph.ron", graph, &registry, &Edits::default()).unwrap_err();
+    /// assert!(mistakes.to_string().contains("assets/base.ron:1:1"));
+    /// ```
+    pub fn add_file(&mut self, path: impl AsRef<Path>, text: impl Into<String>) -> &mut Self {
+        self.files.insert(folded(path.as_ref()), text.into());
+        self
+    }
+
+    /// The text that was added for a path.
+    pub(crate) fn file(&self, path: &Path) -> Option<&str> {
+        self.files.get(&folded(path)).map(String::as_str)
     }
 
     /// How `(use: "./file.wgsl")` becomes a pass.

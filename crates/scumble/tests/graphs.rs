@@ -89,6 +89,30 @@ fn a_missing_file_says_so() {
 }
 
 #[test]
+fn files_may_be_brought_along() {
+    let text = |name| std::fs::read_to_string(format!("tests/graphs/{name}")).unwrap();
+    let mut registry = toys::registry();
+    let resolved = |registry: &Registry| {
+        let text = text("ok-subgraph.ron");
+        resolve_text("nowhere/graph.ron", &text, registry, &Edits::default())
+    };
+    assert!(resolved(&registry).is_err(), "there is no such file");
+    registry.add_file("nowhere/other/../parts/chain.ron", text("parts/chain.ron"));
+    let expected = resolve("tests/graphs/ok-subgraph.ron", &registry, &Edits::default()).unwrap();
+    assert_eq!(
+        resolved(&registry).unwrap().to_string(),
+        expected.to_string()
+    );
+    registry.add_file("nowhere/parts/chain.ron", "(");
+    assert!(
+        resolved(&registry)
+            .unwrap_err()
+            .to_string()
+            .contains("nowhere/parts/chain.ron:1:")
+    );
+}
+
+#[test]
 fn a_file_with_six_mistakes_names_six() {
     let path = "tests/graphs/six-mistakes.ron";
     let mistakes = resolve(path, &toys::registry(), &Edits::default()).unwrap_err();

@@ -105,7 +105,14 @@ impl<'r> Loader<'r> {
         if let Some(known) = self.files.get(&identity) {
             return known.clone();
         }
-        let file = GraphFile::read_into(&tidy(path), Some(asked_at), &mut self.diagnostics);
+        let path = tidy(path);
+        let file = match self.registry.file(&path) {
+            Some(text) => {
+                let name = path.display().to_string();
+                GraphFile::parse_into(&name, text, &mut self.diagnostics)
+            }
+            None => GraphFile::read_into(&path, Some(asked_at), &mut self.diagnostics),
+        };
         let file = file.map(Arc::new);
         self.files.insert(identity, file.clone());
         file

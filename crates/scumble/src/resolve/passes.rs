@@ -181,7 +181,10 @@ impl Loader<'_> {
                 .push(Diagnostic::new(code::WGSL_PASS, message).at(&kind.span, ""));
             return None;
         };
-        let text = read_text(path, Some(&kind.span), &mut self.diagnostics)?;
+        let text = match self.registry.file(path) {
+            Some(text) => text.to_owned(),
+            None => read_text(path, Some(&kind.span), &mut self.diagnostics)?,
+        };
         let name = path.display().to_string();
         match wgsl_pass_of(&name, text, self.registry, loader) {
             Ok(ty) => Some(Arc::new(ty)),
