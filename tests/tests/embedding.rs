@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use scumble::{Edits, FrameInput, Host, Pipeline, Value, readback, resolve, resolve_text};
-use scumble_scene::{GpuScene, builtin};
+use scumble_scene::{GpuScene, GpuSceneOptions, builtin};
 use scumble_tests::{gpu, graph_file, graph_files, scene_camera};
 
 const SIZE: [u32; 2] = [32, 24];
@@ -59,6 +59,46 @@ fn presenter(
         }],
     });
     (pipeline, group)
+}
+
+/// What the host moves between two frames is in the motion vectors of the second, and in those of no other.
+#[test]
+fn the_host_moves_what_is_in_the_scene() -> Result<(), Box<dyn std::error::Error>> {
+    let (device, queue) = gpu();
+    let registry = scumble_passes::registry();
+    let scene = Arc::new(builtin("cornell").ok_or("no such scene")?);
+    let camera = scene_camera(&scene.cameras[0]);
+    let mut transforms: Vec<_> = scene.instances.iter().map(|i| i.transform).collect();
+    for transform in &mut transforms {
+        transform.translation.x += 0.01;
+    }
+    let lights = scene.lights.clone();
+
+    let options = GpuSceneOptions {
+        still_triangles: 0,
+        ..GpuSceneOptions::default()
+    };
+    let mut scene = GpuScene::with_options(device, queue, scene, options)?;
+    scene.place(&transforms, &lights)?;
+
+    let graph =
+        r#"(version: 1, passes: [(use: "gbuffer")], outputs: {"motion": "gbuffer.motion"})"#;
+    let graph = resolve_text("motion.ron", graph, &registry, &Edits::default())?;
+    let mut host = Host::new();
+    host.insert("Scene", scene);
+    let mut pipeline = Pipeline::new(device, queue, &registry, graph, &host, SIZE)?;
+    for moved in [true, false] {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        pipeline.render(&mut encoder, &FrameInput::still(camera), &mut host)?;
+        queue.submit([encoder.finish()]);
+        let motion = readback(device, queue, pipeline.output("motion").ok_or("no output")?)?;
+        let moves = motion.iter().filter(|m| m[0] > 0.001).count();
+        assert_eq!(moves > motion.len() / 2, moved, "{moves} pixels move");
+        assert!(moved || moves == 0, "{moves} pixels move");
+        let scene = host.get_mut::<GpuScene>().ok_or("no scene")?;
+        scene.place(&transforms, &lights)?;
+    }
+    Ok(())
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::lights::{LightList, Lights};
 use super::{Draw, GpuScene, GpuSceneError, State, materials};
 use crate::bvh::{BuildQuality, Bvh, NODE_BYTES, transformed_bounds};
 use crate::check::keeps_volume;
-use crate::{Deformed, Mesh, Pose};
+use crate::{Deformed, Light, Mesh, Pose};
 use glam::{Affine3A, Vec3};
 
 /// `FIRST_INSTANCE` of `scene/trace.wgsl`.
@@ -44,6 +44,51 @@ impl GpuScene {
             (before.transforms, before.deformed)
         };
         self.apply(time, pose, previous_transforms, &previous_deformed)?;
+        self.revision += 1;
+        Ok(())
+    }
+
+    /// Places the instances and the lights, for a host that moves them itself, as many as the scene has; what deforms stays as
+    /// it is.
+    ///
+    /// Call it once a frame, in place of [`update`](Self::update): the motion vectors show what lies between two calls, so
+    /// calling it again with the same places brings everything to rest.
+    ///
+    /// # Errors
+    /// When there are more or fewer of them, when one moves that [`new`](Self::new) put into the BVH of what stands still
+    /// ([`GpuSceneOptions::still_triangles`](super::GpuSceneOptions::still_triangles) 0 keeps all free to move), or when they do
+    /// not fit the device.
+    pub fn place(&mut self, instances: &[Affine3A], lights: &[Light]) -> Result<(), GpuSceneError> {
+        let state = &self.state;
+        let counts = [instances.len(), lights.len()];
+        let expected = [state.transforms.len(), state.lights.len()];
+        if counts != expected {
+            return Err(GpuSceneError::Invalid(format!(
+                "{} instances and {} lights are placed, and the scene has {} and {}",
+                counts[0], counts[1], expected[0], expected[1]
+            )));
+        }
+        let changed = |i: &usize| state.transforms[*i] != instances[*i];
+        if let Some(i) = (0..instances.len()).find(|i| self.still[*i] && changed(i)) {
+            return Err(GpuSceneError::Invalid(format!(
+                "instance {i} was put among what stands still, and moves: make the scene with still_triangles 0"
+            )));
+        }
+        let same_places = state.transforms == instances;
+        if same_places && state.lights == lights {
+            if state.moving && !std::mem::take(&mut self.state.fresh) {
+                self.come_to_rest();
+            }
+            return Ok(());
+        }
+        let before = std::mem::take(&mut self.state);
+        let pose = Pose {
+            instances: instances.to_vec(),
+            deformed: before.deformed.clone(),
+            lights: lights.to_vec(),
+            cameras: before.cameras,
+        };
+        self.apply(before.time, pose, before.transforms, &before.deformed)?;
         self.revision += 1;
         Ok(())
     }

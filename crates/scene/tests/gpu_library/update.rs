@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec3};
 use scumble_scene::animation::{
     Channel, Clip, Deformer, Interpolation, Keys, Local, MorphTarget, Node,
 };
-use scumble_scene::{Animation, GpuSceneError, Instance, Material, Scene};
+use scumble_scene::{Animation, GpuSceneError, Instance, Light, Material, Scene};
 use std::sync::Arc;
 
 /// Two squares at z = 0: one carried along +X by 1 m/s, one whose morph target lifts it towards
@@ -135,6 +135,64 @@ fn a_host_may_say_where_its_instances_were() {
     gpu.update(0.0).expect("pose");
     let p = points(&gpu, &[ray])[0];
     assert_eq!(xyz(p[1]), xyz(p[0]));
+}
+
+#[test]
+fn a_host_places_what_it_moves() {
+    let mut scene = moving();
+    scene.animation = Animation::default();
+    scene.meshes[1].deforms = false;
+    scene.instances = vec![
+        Instance::new(0, Affine3A::IDENTITY),
+        Instance::new(1, Affine3A::IDENTITY),
+    ];
+    let lamp = |x| Light::Point {
+        position: Vec3::X * x,
+        intensity: Vec3::ONE,
+    };
+    scene.lights = vec![lamp(0.0)];
+    let Some(mut free) = gpu_scene_with(scene.clone(), 0) else {
+        return;
+    };
+    let moved = [Affine3A::from_translation(Vec3::Y), Affine3A::IDENTITY];
+    let revision = free.revision();
+    free.place(&moved, &[lamp(1.0)]).expect("placed");
+    assert_ne!(free.revision(), revision);
+    let seen = |gpu: &scumble_scene::GpuScene| {
+        let rays = [
+            (Vec3::new(0.4, 1.3, 5.0), Vec3::NEG_Z),
+            (Vec3::new(10.4, 0.3, 5.0), Vec3::NEG_Z),
+        ];
+        let p = points(gpu, &rays);
+        [0, 1].map(|i| xyz(p[i][0]) - xyz(p[i][1]))
+    };
+    // 1.3 - 0.3 in f32.
+    let [first, second] = seen(&free);
+    assert!(
+        first.distance(Vec3::Y) < 1e-6 && second == Vec3::ZERO,
+        "{first} {second}"
+    );
+    let revision = free.revision();
+    free.place(&moved, &[lamp(1.0)]).expect("placed");
+    assert_eq!(seen(&free), [Vec3::ZERO; 2]);
+    assert_eq!(free.revision(), revision, "nothing changed");
+
+    let refused = free
+        .place(&moved[..1], &[lamp(1.0)])
+        .expect_err("one is missing");
+    assert!(
+        refused
+            .to_string()
+            .contains("1 instances and 1 lights are placed, and the scene has 2 and 1")
+    );
+    let mut still = gpu_scene(scene).expect("a device");
+    let refused = still
+        .place(&moved, &[lamp(0.0)])
+        .expect_err("it stands still");
+    assert!(
+        refused.to_string().contains("still_triangles 0"),
+        "{refused}"
+    );
 }
 
 fn refused(scene: Scene, limits: wgpu::Limits) -> Option<String> {
