@@ -62,6 +62,7 @@ impl Pass for DirectLighting {
             max_bounces: 0,
             parts: Parts {
                 direct: true,
+                punctual: true,
                 indirect: false,
             },
             mask: None,

@@ -28,6 +28,8 @@ scumble::choice! {
         Direct,
         /// The rest.
         Indirect,
+        /// All but what reaches the visible point straight from a punctual light: what an engine's shadow maps do not show.
+        NotPunctual,
         /// All of it.
         #[default]
         Both,
@@ -112,6 +114,7 @@ impl Pass for PathTrace {
             max_bounces: p.max_bounces,
             parts: tracing::Parts {
                 direct: p.parts != Parts::Indirect,
+                punctual: p.parts != Parts::NotPunctual,
                 indirect: p.parts != Parts::Direct,
             },
             mask: frame.input("mask"),

@@ -48,7 +48,7 @@ fn lane_sums(texel: vec2u, lane: u32) -> Sums {
         return sums;
     }
     let start = primary_vertex(pixel, params.camera_position);
-    let settings = PathSettings(params.bounces, false, true, params.sky_is_direct != 0u);
+    let settings = PathSettings(params.bounces, false, false, true, params.sky_is_direct != 0u);
     for (var i = lane; i < params.slice_samples; i += params.lanes) {
         var rng = rng_new(pixel, params.first_sample + i, params.frame_index, params.seed ^ params.stream);
         add_sample(&sums, trace_path(start, settings, &rng), start.brdf.albedo);

@@ -4,7 +4,8 @@
 // Next event estimation and BSDF samples at every vertex, weighted by the power heuristic with exponent 2: Veach 1997, 9.2.4.
 //
 // Which side carries what: direct is light that reaches the visible point straight from an emitter; indirect is the
-// rest, up to `max_bounces` bounces. Light straight from the sky is on the side that `sky_is_direct` tells.
+// rest, up to `max_bounces` bounces. Light straight from the sky is on the side that `sky_is_direct` tells; light straight from
+// punctual lights is left out where `punctual` is false.
 
 #include "scene/random.wgsl"
 #include "scene/trace.wgsl"
@@ -18,6 +19,7 @@ const SHADOW_END: f32 = 0.9999;
 struct PathSettings {
     max_bounces: u32,
     direct: bool,
+    punctual: bool,
     indirect: bool,
     sky_is_direct: bool,
 }
@@ -67,6 +69,7 @@ fn trace_path(start: Vertex, settings: PathSettings, rng: ptr<function, Rng>) ->
     for (var bounce = 0u; bounce <= bounces; bounce++) {
         let first = bounce == 0u;
         let with_lights = !first || settings.direct;
+        let with_punctual = with_lights && (!first || settings.punctual);
         let with_sky = !first || first_sky;
 
         // A ray of no length is not traced.
@@ -74,7 +77,7 @@ fn trace_path(start: Vertex, settings: PathSettings, rng: ptr<function, Rng>) ->
         var gain = Throughput(vec3f(0.0), vec3f(0.0));
         let light = light_sample(vertex.origin, rng_3(rng), with_sky);
         let is_sky = !light.is_delta && light.distance >= LIGHT_FAR;
-        if light.pdf > 0.0 && select(with_lights, with_sky, is_sky) {
+        if light.pdf > 0.0 && select(select(with_lights, with_punctual, light.is_delta), with_sky, is_sky) {
             let f = brdf_eval(vertex.brdf, light.direction);
             let weight = select(power_heuristic(light.pdf, f.pdf), 1.0, light.is_delta);
             gain = scaled(through(carried, first, vertex.brdf.albedo, f), light.radiance * (weight / light.pdf));

@@ -11,6 +11,8 @@ use super::{Counter, rays_per_path, slices};
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Parts {
     pub direct: bool,
+    /// Whether direct light has that of punctual lights.
+    pub punctual: bool,
     pub indirect: bool,
 }
 
@@ -155,6 +157,7 @@ impl PixelTracer {
                 .set("stream", samples.stream)
                 .set("bounces", bounces)
                 .set("with_direct", samples.parts.direct)
+                .set("with_punctual", samples.parts.punctual)
                 .set("with_indirect", samples.parts.indirect)
                 .set("first_row", slice.first_row)
                 .set("slice_rows", slice.rows)

@@ -13,6 +13,7 @@ struct Params {
     stream: u32,
     bounces: u32,
     with_direct: u32,
+    with_punctual: u32,
     with_indirect: u32,
     first_row: u32,
     slice_rows: u32,
@@ -59,6 +60,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let settings = PathSettings(
             params.bounces,
             params.with_direct != 0u,
+            params.with_punctual != 0u,
             params.with_indirect != 0u,
             params.sky_is_direct != 0u,
         );

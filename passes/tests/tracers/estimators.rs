@@ -4,7 +4,7 @@ use crate::common::rig::Rig;
 use crate::common::scenes::{furnace, room};
 use crate::common::statistics::{Estimate, from_moments, from_runs, luminance, mean, sigmas};
 use glam::Vec3;
-use scumble_scene::Material;
+use scumble_scene::{Light, Material, Scene, Sky};
 
 /// A graph with one tracer whose moments can be read.
 fn tracing(sky: &str, tracer: &str, with: &str) -> String {
@@ -38,6 +38,36 @@ fn traced(
     let mut rig = Rig::new(graph, scene, size);
     rig.render(&rig.still(0, 1));
     estimates(&rig, output, samples)
+}
+
+/// Without emitters that have a surface, what is left beside punctual lights is what was reflected; without punctual lights it is
+/// all. The random numbers are the same, so the bits are.
+#[test]
+fn light_beside_punctual_lights_is_the_rest() {
+    let traced = |scene: &Scene, parts: &str| {
+        let graph = tracing(
+            "Direct",
+            "path-trace",
+            &format!("samples: 2, max_bounces: 2, parts: {parts}"),
+        );
+        let mut rig = Rig::new(&graph, scene.clone(), [24, 18]);
+        rig.render(&rig.still(0, 1));
+        rig.bits("radiance")
+    };
+    let lamps = room();
+    assert_eq!(traced(&lamps, "NotPunctual"), traced(&lamps, "Both"));
+    let mut bulb = room();
+    bulb.sky = Sky::BLACK;
+    bulb.materials
+        .iter_mut()
+        .for_each(|m| m.emission = Vec3::ZERO);
+    bulb.lights = vec![Light::Point {
+        position: Vec3::new(0.2, 1.6, 0.3),
+        intensity: Vec3::splat(3.0),
+    }];
+    let beside = traced(&bulb, "NotPunctual");
+    assert_eq!(beside, traced(&bulb, "Indirect"));
+    assert_ne!(beside, traced(&bulb, "Both"));
 }
 
 /// A convex Lambert surface of reflectance 1 under a sky of radiance 1 has radiance 1, on whichever side the sky counts.
