@@ -70,7 +70,7 @@ fn the_host_moves_what_is_in_the_scene() -> Result<(), Box<dyn std::error::Error
     let camera = scene_camera(&scene.cameras[0]);
     let mut transforms: Vec<_> = scene.instances.iter().map(|i| i.transform).collect();
     for transform in &mut transforms {
-        transform.translation.x += 0.01;
+        transform.translation.x += 0.1;
     }
     let lights = scene.lights.clone();
 
@@ -92,7 +92,7 @@ fn the_host_moves_what_is_in_the_scene() -> Result<(), Box<dyn std::error::Error
         pipeline.render(&mut encoder, &FrameInput::still(camera), &mut host)?;
         queue.submit([encoder.finish()]);
         let motion = readback(device, queue, pipeline.output("motion").ok_or("no output")?)?;
-        let moves = motion.iter().filter(|m| m[0] > 0.001).count();
+        let moves = motion.iter().filter(|m| m[0].abs() > 0.001).count();
         assert_eq!(moves > motion.len() / 2, moved, "{moves} pixels move");
         assert!(moved || moves == 0, "{moves} pixels move");
         let scene = host.get_mut::<GpuScene>().ok_or("no scene")?;
