@@ -94,9 +94,9 @@ impl fmt::Display for Budget {
         }
         match self.controller.median() {
             Some(median) => write!(f, "{median:.1} ms of {}", self.target())?,
-            None => write!(f, "measuring, for {} ms", self.target())?,
+            None => write!(f, "no time yet of {} ms", self.target())?,
         }
-        write!(f, ", {:.3} paths per pixel", self.controller.paths())?;
+        write!(f, ", {:.3} paths a pixel", self.controller.paths())?;
         f.write_str(match self.standing() {
             Standing::Settling => ", settling",
             Standing::Reached => "",

@@ -111,7 +111,7 @@ fn range(ui: &mut Ui, wanted: &mut Wanted, measured: Option<[f32; 2]>) {
     };
 }
 
-/// What is measured of frames: their time, and how far two graphs are apart.
+/// The time that frames should take, and what the tracers spend for it.
 fn numbers(ui: &mut Ui, view: &mut View<'_>) {
     let screen = &mut view.screen;
     let on = ui.checkbox(&mut screen.wanted.budget, "budget");
@@ -130,24 +130,24 @@ fn numbers(ui: &mut Ui, view: &mut View<'_>) {
             ui.separator();
             ui.label(budget.to_string());
         }
-        if let Some(errors) = &other.errors {
-            ui.separator();
-            let number = |name: &str, value: &Result<f64, String>| match value {
-                Ok(value) => format!("{name} {value:.5}"),
-                Err(why) => format!("{name}: {why}"),
-            };
-            let text = [
-                number("relMSE", &errors.relmse),
-                number("FLIP", &errors.flip),
-            ];
-            ui.monospace(text.join("  "))
-                .on_hover_text("of the left image, the right one being the reference: relMSE of the linear values, FLIP of the pictures");
-        }
     }
 }
 
-/// What is measured of the port: the value under the cursor, faults.
+/// What is measured of the port: how far two graphs are apart, the value under the cursor, faults.
 fn values(ui: &mut Ui, screen: &Screen<'_>) {
+    if let Some(errors) = screen.errors() {
+        let number = |name: &str, value: &Result<f64, String>| match value {
+            Ok(value) => format!("{name} {value:.5}"),
+            Err(why) => format!("{name}: {why}"),
+        };
+        let text = [
+            number("relMSE", &errors.relmse),
+            number("FLIP", &errors.flip),
+        ];
+        let hint = "of the left image, the right one being the reference: relMSE of the linear values, FLIP of the pictures";
+        ui.monospace(text.join("  ")).on_hover_text(hint);
+        ui.separator();
+    }
     let text = screen.cursor.text();
     ui.monospace(if text.is_empty() { "-" } else { &text });
     if let Some(found) = screen.side.statistics() {
