@@ -69,7 +69,7 @@ fn texels(integer: bool) -> Vec<[u32; 4]> {
     };
     let texel = |i: usize| {
         [0; 4].map(|_: u32| match integer {
-            true if i % 7 == 0 => 0,
+            true if i.is_multiple_of(7) => 0,
             true => random() % 40,
             false => float(i, random()).to_bits(),
         })

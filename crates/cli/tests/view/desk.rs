@@ -17,12 +17,24 @@ pub struct Desk {
 }
 
 /// Whether a program is there.
-pub fn is_there(program: &str) -> bool {
+fn is_there(program: &str) -> bool {
     let asked = Command::new("which")
         .arg(program)
         .stdout(Stdio::null())
         .status();
     asked.is_ok_and(|status| status.success())
+}
+
+/// Whether windows are to be opened, which needs some programs.
+pub fn is_asked_for() -> bool {
+    let asked = std::env::var_os("SCUMBLE_FULL").is_some_and(|v| v == "1");
+    for program in ["Xvfb", "xdotool", "import"] {
+        assert!(
+            !asked || is_there(program),
+            "this test needs {program}: apt-get install xvfb xdotool imagemagick"
+        );
+    }
+    asked
 }
 
 impl Desk {
@@ -35,7 +47,7 @@ impl Desk {
                 "1",
                 "-screen",
                 "0",
-                "700x500x24",
+                "1000x700x24",
                 "-nolisten",
                 "tcp",
             ])
@@ -102,11 +114,16 @@ impl Desk {
         self.xdotool(&["keyup", key]);
     }
 
-    pub fn click(&self, [x, y]: [u32; 2]) {
+    pub fn click(&self, at: [u32; 2]) {
+        self.press(at, 1);
+    }
+
+    /// Clicks with a button: 1 is the left one, 3 the right one.
+    pub fn press(&self, [x, y]: [u32; 2], button: u32) {
         self.xdotool(&["mousemove", &x.to_string(), &y.to_string()]);
         // A frame sees the pointer there before it is pressed.
         std::thread::sleep(Duration::from_secs(1));
-        self.xdotool(&["click", "1"]);
+        self.xdotool(&["click", &button.to_string()]);
     }
 
     /// Drags from one place to another, slowly enough for frames in between.

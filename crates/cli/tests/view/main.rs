@@ -4,8 +4,9 @@
 //! The latter needs Xvfb, xdotool and ImageMagick. `SCUMBLE_SEEN=FOLDER` keeps what the display showed, to be looked at.
 
 mod desk;
+mod looks;
 
-use desk::{Desk, is_there};
+use desk::{Desk, is_asked_for};
 use scumble_metrics::Image;
 use std::path::Path;
 use std::process::Command;
@@ -114,14 +115,8 @@ fn tells_a_mistake(screen: &Image) -> bool {
 
 #[test]
 fn a_window_is_flown_through_edited_broken_and_mended() {
-    if std::env::var_os("SCUMBLE_FULL").is_none_or(|v| v != "1") {
+    if !is_asked_for() {
         return;
-    }
-    for program in ["Xvfb", "xdotool", "import"] {
-        assert!(
-            is_there(program),
-            "this test needs {program}: apt-get install xvfb xdotool imagemagick"
-        );
     }
     let scratch = tempfile::tempdir().unwrap();
     let folder = scratch.path();

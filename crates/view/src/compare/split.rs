@@ -58,12 +58,14 @@ impl Split {
             painter.image(picture, rect, all, Color32::WHITE);
             name(&painter, rect, side, names[side]);
         }
-        let width = if response.hovered() || response.dragged() {
-            3.0
+        let half = if response.hovered() || response.dragged() {
+            2.0
         } else {
-            1.5
+            1.0
         };
-        painter.vline(x, rect.y_range(), (width, Color32::from_rgb(255, 190, 60)));
+        // A box has sharp edges, and a line has not.
+        let line = Rect::from_x_y_ranges(x - half..=x + half, rect.y_range());
+        painter.rect_filled(line, 0.0, Color32::from_rgb(255, 190, 60));
     }
 }
 

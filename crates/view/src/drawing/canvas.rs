@@ -53,7 +53,7 @@ impl Canvas {
     }
 
     /// Draws it into all the room that there is. A click on a port asks to show it, a double click or a
-    /// click of the right button on a box to bypass it. `shown` is what is on the screen.
+    /// click of the right button on a box to bypass it; a double click beside all boxes fits the drawing into the room again. `shown` is what is on the screen.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -89,6 +89,9 @@ impl Canvas {
             hover,
         };
         paint.all();
+        if hover.is_none() && response.double_clicked() {
+            self.look = None;
+        }
         let hit = hover?;
         let action = match () {
             () if response.double_clicked() || response.secondary_clicked() => self.bypass(hit),

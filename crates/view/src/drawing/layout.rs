@@ -120,18 +120,7 @@ impl Drawing {
     /// Of a graph.
     pub fn new(graph: &Resolved) -> Drawing {
         let mut nodes = boxes(graph);
-        let (mut nets, mut previous) = (Vec::new(), Vec::new());
-        for (source, to, before) in wires(graph, &nodes) {
-            let list = if before { &mut previous } else { &mut nets };
-            let net: Option<&mut Net> = list.iter_mut().find(|net: &&mut Net| net.from == source);
-            match net {
-                Some(net) => net.to.push(to),
-                None => list.push(Net {
-                    from: source,
-                    to: vec![to],
-                }),
-            }
-        }
+        let [nets, previous] = wires(graph, &nodes);
         let columns = columns(&nodes, &nets);
         let item = |(node, column): (&Node, &usize)| Item {
             layer: *column,
@@ -326,37 +315,40 @@ fn seen(graph: &Resolved, source: &Source) -> Option<String> {
     }
 }
 
-/// From which output to which input, and whether across frames.
-fn wires(graph: &Resolved, nodes: &[Node]) -> Vec<((usize, usize), (usize, usize), bool)> {
+/// What each output is read by, in the same frame and in the next.
+fn wires(graph: &Resolved, nodes: &[Node]) -> [Vec<Net>; 2] {
     let first = graph.passes.len();
-    let from = |source: &Source| match source {
-        Source::Port {
-            pass,
-            port,
-            previous,
-        } => {
-            let outputs = &nodes.get(*pass)?.outputs;
-            let output = outputs.iter().position(|end| end.name == *port)?;
-            Some(((*pass, output), *previous))
+    let mut nets = [Vec::new(), Vec::new()];
+    let mut add = |source: &Source, to: (usize, usize)| {
+        let (from, previous) = match source {
+            Source::Port {
+                pass,
+                port,
+                previous,
+            } => {
+                let outputs = nodes[*pass].outputs.iter();
+                let output = outputs.map(|end| &end.name).position(|name| name == port);
+                ((*pass, output.unwrap_or(0)), *previous)
+            }
+            Source::GraphInput { input, previous } => ((first + input, 0), *previous),
+        };
+        let nets: &mut Vec<Net> = &mut nets[usize::from(previous)];
+        match nets.iter_mut().find(|net| net.from == from) {
+            Some(net) => net.to.push(to),
+            None => nets.push(Net { from, to: vec![to] }),
         }
-        Source::GraphInput { input, previous } => Some(((first + input, 0), *previous)),
     };
-    let mut all = Vec::new();
     for (p, pass) in graph.passes.iter().enumerate() {
         let wired = pass.inputs.iter().filter_map(|(_, source)| source.as_ref());
         for (i, source) in wired.enumerate() {
-            if let Some((from, previous)) = from(source) {
-                all.push((from, (p, i), previous));
-            }
+            add(source, (p, i));
         }
     }
     let given = first + graph.inputs.len();
     for (o, (_, source)) in graph.outputs.iter().enumerate() {
-        if let Some((from, previous)) = from(source) {
-            all.push((from, (given + o, 0), previous));
-        }
+        add(source, (given + o, 0));
     }
-    all
+    nets
 }
 
 /// The column of each box: right of all that it reads in the same frame; what the graph gives stands last.

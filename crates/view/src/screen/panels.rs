@@ -125,11 +125,10 @@ fn numbers(ui: &mut Ui, view: &mut View<'_>) {
         ui.label(budget.to_string())
             .on_hover_text(budget.params().join(", "));
     }
-    if let Some(other) = &screen.other {
-        if let Some(budget) = other.side.budget() {
-            ui.separator();
-            ui.label(budget.to_string());
-        }
+    let other = screen.other.as_ref();
+    if let Some(budget) = other.and_then(|other| other.side.budget()) {
+        ui.separator();
+        ui.label(budget.to_string());
     }
 }
 
@@ -137,7 +136,8 @@ fn numbers(ui: &mut Ui, view: &mut View<'_>) {
 fn values(ui: &mut Ui, screen: &Screen<'_>) {
     if let Some(errors) = screen.errors() {
         let number = |name: &str, value: &Result<f64, String>| match value {
-            Ok(value) => format!("{name} {value:.5}"),
+            Ok(value) if *value < 1e3 => format!("{name} {value:.4}"),
+            Ok(value) => format!("{name} {value:.2e}"),
             Err(why) => format!("{name}: {why}"),
         };
         let text = [
