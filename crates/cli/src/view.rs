@@ -40,6 +40,7 @@ pub fn run(args: &ViewArgs, registry: &Registry) -> Result<(), Failure> {
             CameraChoice::Number(number) => Start::Number(number),
             CameraChoice::Fixed(camera) => Start::Fixed(camera),
         },
+        shaders: args.shaders.clone(),
         size: args.size,
         scale: args.scale,
         seed: args.seed,

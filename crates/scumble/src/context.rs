@@ -121,6 +121,8 @@ pub struct BuildContext<'a> {
     pub(crate) plans: RefCell<Vec<Rc<KernelPlan>>>,
     /// Every shader composed here.
     pub(crate) shaders: RefCell<Vec<String>>,
+    /// Names of the files that they were made of.
+    pub(crate) sources: RefCell<Vec<String>>,
 }
 
 /// How a raster kernel draws, beside its shader.
@@ -284,7 +286,10 @@ impl BuildContext<'_> {
             .map(|(name, format)| (name.as_str(), *format))
             .collect();
         all.extend(defines);
+        let text = self.modules.get(file).unwrap_or(text);
         let composed = compose(file, text, self.modules, &all)?;
+        let sources = composed.files().map(str::to_owned);
+        self.sources.borrow_mut().extend(sources);
         self.shaders.borrow_mut().push(composed.wgsl().to_owned());
         Ok(composed)
     }

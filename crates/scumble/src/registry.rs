@@ -265,6 +265,11 @@ impl Registry {
         self.files.get(&folded(path)).map(String::as_str)
     }
 
+    /// The WGSL modules, to add some. One with the name of a pass's shader takes the place of that shader.
+    pub fn modules_mut(&mut self) -> &mut Modules {
+        &mut self.modules
+    }
+
     /// How `(use: "./file.wgsl")` becomes a pass.
     pub fn set_wgsl_loader(&mut self, loader: WgslLoader) -> &mut Self {
         self.wgsl_loader = Some(loader);

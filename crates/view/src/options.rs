@@ -28,6 +28,8 @@ pub struct Options {
     pub scene: Option<Scene>,
     /// Where the camera stands at first.
     pub camera: Start,
+    /// A folder of shaders that take the place of those that passes were compiled with, and are watched.
+    pub shaders: Option<PathBuf>,
     /// Width and height of the window in pixels.
     pub size: [u32; 2],
     /// A pixel of the image is so many pixels of the window wide and high, 1 or more.

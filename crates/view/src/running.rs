@@ -7,7 +7,9 @@
 //! ```
 
 use crate::changes::Changes;
+use crate::shaders::read_shaders;
 use crate::watch::Watch;
+use scumble::wgsl::Modules;
 use scumble::{
     Diagnostics, Edits, FrameInput, Host, Pipeline, PipelineError, Registry, RenderError,
     Replacement, Resolved, Value, resolve, resolve_watched,
@@ -19,6 +21,8 @@ use std::time::Instant;
 /// A graph file that runs, and takes what its files become.
 pub struct Running<'r> {
     registry: &'r Registry,
+    /// The same with the shaders of a folder in the place of those that are compiled in.
+    shaded: Option<(PathBuf, Registry)>,
     path: PathBuf,
     /// The command line's changes.
     base: Edits,
@@ -27,7 +31,7 @@ pub struct Running<'r> {
     watch: Watch,
     next: Option<Replacement>,
     /// What ran before the last swap, until the first frame after it is fine.
-    before: Option<Resolved>,
+    before: Option<(Resolved, Modules)>,
     problem: Option<String>,
     notes: Vec<String>,
     swaps: u32,
@@ -54,6 +58,7 @@ impl<'r> Running<'r> {
         gpu.check()?;
         Ok(Running {
             registry,
+            shaded: None,
             path: path.to_owned(),
             base: base.clone(),
             changes: Changes::default(),
@@ -65,6 +70,18 @@ impl<'r> Running<'r> {
             notes: Vec::new(),
             swaps: 0,
         })
+    }
+
+    /// Takes the shaders below `folder` in the place of those that passes were compiled with, and watches them: see
+    /// [`read_shaders`].
+    pub fn take_shaders(&mut self, folder: &Path, host: &Host) {
+        self.shaded = Some((folder.to_owned(), self.registry.clone()));
+        self.reload(host);
+    }
+
+    fn registry(&self) -> &Registry {
+        let shaded = self.shaded.as_ref().map(|(_, registry)| registry);
+        shaded.unwrap_or(self.registry)
     }
 
     /// The graph file.
@@ -143,7 +160,13 @@ impl<'r> Running<'r> {
     /// Reads the files again, and begins to build what is new.
     pub fn reload(&mut self, host: &Host) {
         self.next = None;
+        let mut shaders = Vec::new();
+        if let Some((folder, registry)) = &mut self.shaded {
+            registry.clone_from(self.registry);
+            shaders = read_shaders(folder, registry.modules_mut());
+        }
         let (resolved, mut files) = self.resolve();
+        files.extend(shaders);
         let prepared = match resolved {
             Err(diagnostics) => {
                 // Those of the last good graph are still what a mend may touch.
@@ -154,7 +177,7 @@ impl<'r> Running<'r> {
             }
             Ok(resolved) => self
                 .pipeline
-                .prepare(resolved, host)
+                .prepare(self.registry().modules(), resolved, host)
                 .map_err(|error| error.to_string()),
         };
         self.watch.set_files(files);
@@ -165,14 +188,14 @@ impl<'r> Running<'r> {
     }
 
     fn resolve(&mut self) -> (Result<Resolved, Diagnostics>, Vec<PathBuf>) {
-        let (plain, files) = resolve_watched(&self.path, self.registry, &self.base);
+        let (plain, files) = resolve_watched(&self.path, self.registry(), &self.base);
         let resolved = plain.and_then(|plain| {
             self.notes = self.changes.settle(&plain);
             if self.changes.is_empty() {
                 return Ok(plain);
             }
             let edits = self.changes.edits(&self.base);
-            let mut edited = resolve(&self.path, self.registry, &edits)?;
+            let mut edited = resolve(&self.path, self.registry(), &edits)?;
             self.changes.take_back_bypasses(&mut edited);
             Ok(edited)
         });
@@ -181,7 +204,8 @@ impl<'r> Running<'r> {
 
     fn swap(&mut self) {
         let Some(next) = self.next.take() else { return };
-        self.before = Some(self.pipeline.resolved().clone());
+        let pipeline = &self.pipeline;
+        self.before = Some((pipeline.resolved().clone(), pipeline.modules().clone()));
         self.pipeline.replace(next);
         self.problem = None;
         self.swaps += 1;
@@ -258,10 +282,10 @@ impl<'r> Running<'r> {
     /// # Errors
     /// What that graph needs and no longer gets.
     pub fn fall_back(&mut self, problem: &str, host: &Host) -> Result<bool, PipelineError> {
-        let Some(before) = self.before.take() else {
+        let Some((before, modules)) = self.before.take() else {
             return Ok(false);
         };
-        let back = self.pipeline.prepare(before, host)?;
+        let back = self.pipeline.prepare(&modules, before, host)?;
         self.pipeline.replace(back);
         self.problem = Some(problem.to_owned());
         Ok(true)

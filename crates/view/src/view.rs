@@ -89,7 +89,10 @@ impl<'r> View<'r> {
         let scale = options.scale.max(1);
         let size = options.size.map(|n| (n / scale).max(1));
         let (gpu, host) = (&stage.gpu, &stage.host);
-        let running = Running::new(registry, &options.graph, &options.edits, gpu, host, size)?;
+        let mut running = Running::new(registry, &options.graph, &options.edits, gpu, host, size)?;
+        if let Some(folder) = &options.shaders {
+            running.take_shaders(folder, host);
+        }
         let screen = Screen::new(&options, registry, &stage, size)?;
         let stem = options
             .graph

@@ -27,6 +27,7 @@ fn options(name: &str) -> Options {
         camera: Start::Number(0),
         size: SIZE,
         scale: 1,
+        shaders: None,
         seed: 3,
         adapter: None,
     }

@@ -24,6 +24,10 @@ pub struct ViewArgs {
         allow_hyphen_values = true
     )]
     pub camera: CameraChoice,
+    /// Take the shaders below this folder in the place of those that passes were compiled with, and watch them:
+    /// passes/ of this repository
+    #[arg(long, value_name = "DIR")]
+    pub shaders: Option<PathBuf>,
     /// Width and height of the window in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     pub size: [u32; 2],

@@ -184,6 +184,7 @@ fn unbuilt(resolved: &Resolved, pass: &ResolvedPass) -> Built {
         wanted: vec![false; ty.outputs.len()],
         state: PassState::default(),
         shaders: Vec::new(),
+        sources: Vec::new(),
         stale: true,
         recording: Duration::ZERO,
     }
@@ -283,10 +284,12 @@ pub(super) fn build_pass(
         info: &built.info,
         plans: RefCell::default(),
         shaders: RefCell::default(),
+        sources: RefCell::default(),
     };
     let pass = resolved.ty.build(&ctx, &resolved.params)?;
     built.state.plans = ctx.plans.into_inner();
     built.shaders = ctx.shaders.into_inner();
+    built.sources = ctx.sources.into_inner();
     built.pass = Some(pass);
     built.stale = false;
     Ok(())

@@ -74,6 +74,8 @@ struct Built {
     state: PassState,
     /// The text of every shader that it was built from.
     shaders: Vec<String>,
+    /// Names of the files that these were made of.
+    sources: Vec<String>,
     /// A structural parameter changed.
     stale: bool,
     /// How long the CPU took to record it in the last frame, while frames are timed.
@@ -149,6 +151,11 @@ impl Pipeline {
     /// The graph, with parameters as they are now.
     pub fn resolved(&self) -> &Resolved {
         &self.resolved
+    }
+
+    /// The modules that its shaders were made with.
+    pub fn modules(&self) -> &Modules {
+        &self.modules
     }
 
     /// The text of every shader of the passes, as the device got it, in the order of the graph: with the

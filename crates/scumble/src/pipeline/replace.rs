@@ -47,11 +47,12 @@ impl Replacement {
 }
 
 impl Pipeline {
-    /// Begins to build another graph beside this one, which goes on as it is.
+    /// Begins to build another graph beside this one, which goes on as it is. A pass is built anew, too, where a shader or
+    /// module that it was built from is another one in `modules`.
     ///
     /// ```no_run
-    /// # fn f(pipeline: &mut scumble::Pipeline, edited: scumble::Resolved, host: &scumble::Host) -> Result<(), scumble::PipelineError> {
-    /// let mut next = pipeline.prepare(edited, host)?;
+    /// # fn f(pipeline: &mut scumble::Pipeline, registry: &scumble::Registry, edited: scumble::Resolved, host: &scumble::Host) -> Result<(), scumble::PipelineError> {
+    /// let mut next = pipeline.prepare(registry.modules(), edited, host)?;
     /// while next.build_next(host).map_err(|e| scumble::PipelineError::Build(vec![e]))? {
     ///     // Frames may be rendered here.
     /// }
@@ -61,19 +62,25 @@ impl Pipeline {
     ///
     /// # Errors
     /// What its passes need and do not get.
-    pub fn prepare(&self, resolved: Resolved, host: &Host) -> Result<Replacement, PipelineError> {
+    pub fn prepare(
+        &self,
+        modules: &Modules,
+        resolved: Resolved,
+        host: &Host,
+    ) -> Result<Replacement, PipelineError> {
         let requirements = Requirements::of(&resolved);
         requirements.check(self.device.features(), &self.device.limits())?;
         requirements.check_host(host)?;
         let wired = Wired::new(&resolved);
         let passes = resolved.passes.iter().zip(&wired.passes).enumerate();
-        let new = passes.filter(|(_, pass)| !pass.0.bypassed && self.as_before(*pass).is_none());
+        let new =
+            passes.filter(|(_, pass)| !pass.0.bypassed && self.as_before(modules, *pass).is_none());
         let mut open: Vec<usize> = new.map(|(p, _)| p).collect();
         open.reverse();
         Ok(Replacement {
             device: self.device.clone(),
             queue: self.queue.clone(),
-            modules: self.modules.clone(),
+            modules: modules.clone(),
             resolved,
             wired,
             open,
@@ -86,13 +93,17 @@ impl Pipeline {
     /// not built yet is built in the next frame.
     pub fn replace(&mut self, next: Replacement) {
         let Replacement {
+            modules,
             resolved,
             mut wired,
             ..
         } = next;
         let pairs = resolved.passes.iter().zip(&wired.passes);
         let kept: Vec<Option<usize>> = pairs
-            .map(|pair| self.as_before(pair).filter(|_| pair.1.pass.is_none()))
+            .map(|pair| {
+                self.as_before(&modules, pair)
+                    .filter(|_| pair.1.pass.is_none())
+            })
             .collect();
         let changes = self.changes(&resolved, &kept);
         let inputs = resolved.inputs.iter().map(|input| {
@@ -118,9 +129,11 @@ impl Pipeline {
                 built.pass = before.pass;
                 built.state = before.state;
                 built.shaders = before.shaders;
+                built.sources = before.sources;
                 built.stale = before.stale;
             }
         }
+        self.modules = modules;
         self.resolved = resolved;
         self.passes = wired.passes;
         self.feedback = wired.feedback;
@@ -133,14 +146,20 @@ impl Pipeline {
     }
 
     /// Where a pass stands in this graph, when it would be built as it was.
-    fn as_before(&self, (resolved, wired): (&ResolvedPass, &Built)) -> Option<usize> {
+    fn as_before(
+        &self,
+        modules: &Modules,
+        (resolved, wired): (&ResolvedPass, &Built),
+    ) -> Option<usize> {
         let (p, before) = self.resolved.pass(&resolved.name)?;
         let (built, (a, b)) = (&self.passes[p], (&self.passes[p].info, &wired.info));
         let structure = |pass: &ResolvedPass| -> Vec<_> {
             let defs = pass.ty.params().iter().filter(|def| def.structural);
             defs.map(|def| pass.params.get(def.name)).collect()
         };
+        let mut sources = built.sources.iter();
         let same = before.ty.is_same(&resolved.ty)
+            && sources.all(|name| self.modules.get(name) == modules.get(name))
             && before.bypassed == resolved.bypassed
             && structure(before) == structure(resolved)
             && (a.signal, a.grid, a.any_grid, a.sky) == (b.signal, b.grid, b.any_grid, b.sky)

@@ -88,6 +88,11 @@ impl Composed {
         &self.text
     }
 
+    /// Names of the files that it was made of, the shader's own first.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &str> {
+        self.files.iter().map(|(name, _)| name.as_str())
+    }
+
     /// Where a byte of the composed text was written.
     pub fn locate(&self, byte: usize) -> Location {
         let (line, column) = self.original(byte);

@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// WGSL files by the name they are included by.
+/// WGSL files by the name they are included by. One with the name that a pass gives its shader, such as
+/// `atrous/atrous.wgsl`, takes the place of the text that the pass was compiled with.
 ///
 /// ```
 /// let mut modules = scumble::wgsl::Modules::new();

@@ -74,7 +74,10 @@ impl Scratch {
     /// Replaces the graph by what the files are now; gives how many passes that took.
     fn reload(&self, rig: &mut Rig) -> usize {
         let resolved = read(self.folder.path(), &self.registry);
-        let mut next = rig.pipeline.prepare(resolved, &rig.host).unwrap();
+        let mut next = rig
+            .pipeline
+            .prepare(self.registry.modules(), resolved, &rig.host)
+            .unwrap();
         let built = next.left();
         while next.build_next(&rig.host).unwrap() {}
         rig.pipeline.replace(next);
@@ -165,6 +168,39 @@ fn parameters_wires_and_passes_change_without_a_restart_elsewhere() {
 }
 
 #[test]
+fn a_module_of_that_name_takes_the_place_of_a_shader() {
+    let Some(_) = gpu() else { return };
+    let mut scratch = Scratch::new();
+    let include = "#include \"mine/double.wgsl\"\n";
+    let text = format!("{include}{GAIN}").replace("params.gain *", "double(params.gain) *");
+    // The first comment says what the file is.
+    let text = text
+        .replacen(include, "", 1)
+        .replacen("struct", &format!("{include}struct"), 1);
+    scratch.write("gain.wgsl", &text);
+    let module = |factor: f32| format!("fn double(x: f32) -> f32 {{ return {factor:?} * x; }}\n");
+    scratch
+        .registry
+        .modules_mut()
+        .add("mine/double.wgsl", module(2.0));
+    let mut rig = scratch.rig();
+    assert_eq!(step(&mut rig, 0), (1.0, 5.0 + 404.0));
+    scratch
+        .registry
+        .modules_mut()
+        .add("mine/double.wgsl", module(1.0));
+    assert_eq!(scratch.reload(&mut rig), 1, "who includes it");
+    assert_eq!(step(&mut rig, 1), (2.0, 5.0 + 404.0 + 202.0));
+    let mean = "mean.wgsl";
+    let other = crate::toys::MEAN.replace(".rgb, 1.0)", ".rgb, 2.0)");
+    assert_ne!(other, crate::toys::MEAN);
+    scratch.registry.modules_mut().add(mean, other);
+    assert_eq!(scratch.reload(&mut rig), 1, "the pass whose shader it is");
+    assert_eq!(scratch.reload(&mut rig), 0);
+    assert_eq!(rig.frame(2, "mean")[5][3], 2.0);
+}
+
+#[test]
 fn a_graph_that_cannot_be_had_leaves_the_other_alone() {
     let Some(_) = gpu() else { return };
     let scratch = Scratch::new();
@@ -175,7 +211,10 @@ fn a_graph_that_cannot_be_had_leaves_the_other_alone() {
     let ramp = scratch.registry.get("ramp").unwrap();
     (never.outputs, never.defaults) = (ramp.outputs.clone(), ramp.defaults.clone());
     bad.passes[0].ty = Arc::new(never);
-    let mut next = rig.pipeline.prepare(bad, &rig.host).unwrap();
+    let mut next = rig
+        .pipeline
+        .prepare(scratch.registry.modules(), bad, &rig.host)
+        .unwrap();
     let error = next.build_next(&rig.host).unwrap_err();
     assert_eq!(error.to_string(), "pass `ramp` (ramp): never");
     drop(next);

@@ -315,7 +315,7 @@ pub struct Mean {
     revision: Option<u64>,
 }
 
-const MEAN: &str = "
+pub const MEAN: &str = "
 @group(0) @binding(0) var value: texture_2d<f32>;
 @group(0) @binding(1) var before: texture_2d<f32>;
 @group(0) @binding(2) var out_value: texture_storage_2d<{{value.format}}, write>;

@@ -81,7 +81,10 @@ impl<'r> Screen<'r> {
         let other = match &options.compare {
             Some(path) => {
                 let edits = scumble::Edits::default();
-                let running = Running::new(registry, path, &edits, gpu, host, size)?;
+                let mut running = Running::new(registry, path, &edits, gpu, host, size)?;
+                if let Some(folder) = &options.shaders {
+                    running.take_shaders(folder, host);
+                }
                 Some(Other::new(running, side()?))
             }
             None => None,

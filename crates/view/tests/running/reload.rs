@@ -187,3 +187,45 @@ fn a_graph_that_fails_in_its_first_frame_gives_way_to_the_one_before() {
     assert_eq!(settle(&mut rig), 9.0);
     assert_eq!(rig.running.problem(), None);
 }
+
+#[test]
+fn a_folder_of_shaders_takes_the_place_of_what_is_compiled_in() {
+    let Some(gpu) = gpu() else { return };
+    let (folder, registry) = (Folder::new(), scumble_passes::registry());
+    let tonemap = r#"(use: "tonemap", in: {"radiance": "tint.value"})"#;
+    let graph = GRAPH.replace("\"tint.value\"}", "\"tonemap.color\"}");
+    folder.write(
+        "graph.ron",
+        &graph.replace("    ],", &format!("{tonemap}],")),
+    );
+    let compiled = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../passes/tonemap/tonemap.wgsl"
+    );
+    let text = std::fs::read_to_string(compiled).unwrap();
+    std::fs::create_dir_all(folder.path("shaders/tonemap")).unwrap();
+    let write = |value: &str| {
+        let store = format!("textureStore(out_color, id.xy, vec4f({value}));\n}}\n");
+        let (before, _) = text.rsplit_once("textureStore(").unwrap();
+        folder.write("shaders/tonemap/tonemap.wgsl", &format!("{before}{store}"));
+    };
+    write("0.25");
+    let mut rig = Rig::new(&folder, &registry, gpu);
+    let first = rig.frame();
+    assert!(first != 0.25, "compiled in: {first}");
+    rig.running
+        .take_shaders(&folder.path("shaders"), &rig.stage.host);
+    assert_eq!(rig.frame(), 0.25);
+    write("0.5");
+    assert_eq!(settle(&mut rig), 0.5);
+    write("0.5, nothing");
+    assert_eq!(settle(&mut rig), 0.5);
+    let problem = rig.running.problem().unwrap();
+    assert!(
+        problem.contains("tonemap/tonemap.wgsl:") && problem.contains("nothing"),
+        "{problem}"
+    );
+    write("0.75");
+    assert_eq!(settle(&mut rig), 0.75);
+    assert_eq!(rig.running.problem(), None);
+}

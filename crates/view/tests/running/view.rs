@@ -16,6 +16,7 @@ fn view<'r>(folder: &Folder, registry: &'r Registry, gpu: Gpu, base: Edits) -> V
         camera: Start::Number(0),
         size: [8, 6],
         scale: 2,
+        shaders: None,
         seed: 0,
         adapter: None,
     };
