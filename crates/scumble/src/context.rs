@@ -13,7 +13,7 @@ use crate::params::ParamDef;
 use crate::pass::SkySide;
 use crate::port::{Port, PortSignal, Resolution};
 use crate::signal::{self, Signal, wgsl_format};
-use crate::wgsl::{Composed, Modules, ShaderError, compose};
+use crate::wgsl::{Composed, Modules, ShaderError, TextHash, compose};
 
 /// Why a pass cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -121,8 +121,8 @@ pub struct BuildContext<'a> {
     pub(crate) plans: RefCell<Vec<Rc<KernelPlan>>>,
     /// Every shader composed here.
     pub(crate) shaders: RefCell<Vec<String>>,
-    /// Names of the files that they were made of.
-    pub(crate) sources: RefCell<Vec<String>>,
+    /// The files that they were made of.
+    pub(crate) sources: RefCell<Vec<(String, TextHash)>>,
 }
 
 /// How a raster kernel draws, beside its shader.
@@ -288,7 +288,8 @@ impl BuildContext<'_> {
         all.extend(defines);
         let text = self.modules.get(file).unwrap_or(text);
         let composed = compose(file, text, self.modules, &all)?;
-        let sources = composed.files().map(str::to_owned);
+        let sources = composed.files().iter();
+        let sources = sources.map(|(name, text)| (name.clone(), TextHash::of(text)));
         self.sources.borrow_mut().extend(sources);
         self.shaders.borrow_mut().push(composed.wgsl().to_owned());
         Ok(composed)

@@ -24,7 +24,7 @@ use crate::pass::AnyPass;
 use crate::pass_frame::Upstream;
 use crate::registry::Registry;
 use crate::resolve::Resolved;
-use crate::wgsl::Modules;
+use crate::wgsl::{Modules, TextHash};
 
 pub use error::{NameError, PassBuildError, PipelineError, RenderError, Unmet};
 pub use replace::Replacement;
@@ -74,8 +74,8 @@ struct Built {
     state: PassState,
     /// The text of every shader that it was built from.
     shaders: Vec<String>,
-    /// Names of the files that these were made of.
-    sources: Vec<String>,
+    /// The files that these were made of.
+    sources: Vec<(String, TextHash)>,
     /// A structural parameter changed.
     stale: bool,
     /// How long the CPU took to record it in the last frame, while frames are timed.

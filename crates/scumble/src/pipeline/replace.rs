@@ -4,7 +4,7 @@ use super::build::{self, Wire, Wired};
 use super::{Built, Feedback, PassBuildError, Pipeline, PipelineError, Requirements};
 use crate::host::Host;
 use crate::resolve::{GraphInput, Resolved, ResolvedPass, Source};
-use crate::wgsl::Modules;
+use crate::wgsl::{Modules, TextHash};
 use framegraph::Label;
 
 /// A graph that is being built beside a pipeline that runs, to take its place.
@@ -159,7 +159,11 @@ impl Pipeline {
         };
         let mut sources = built.sources.iter();
         let same = before.ty.is_same(&resolved.ty)
-            && sources.all(|name| self.modules.get(name) == modules.get(name))
+            && sources.all(|(name, hash)| match modules.get(name) {
+                Some(text) => *hash == TextHash::of(text),
+                // What the pass was compiled with, then as now.
+                None => self.modules.get(name).is_none(),
+            })
             && before.bypassed == resolved.bypassed
             && structure(before) == structure(resolved)
             && (a.signal, a.grid, a.any_grid, a.sky) == (b.signal, b.grid, b.any_grid, b.sky)

@@ -88,9 +88,9 @@ impl Composed {
         &self.text
     }
 
-    /// Names of the files that it was made of, the shader's own first.
-    pub(crate) fn files(&self) -> impl Iterator<Item = &str> {
-        self.files.iter().map(|(name, _)| name.as_str())
+    /// Names and texts of the files that it was made of, the shader's own first.
+    pub(crate) fn files(&self) -> &[(String, String)] {
+        &self.files
     }
 
     /// Where a byte of the composed text was written.

@@ -12,3 +12,4 @@ mod modules;
 pub use compose::{Composed, Location, compose};
 pub use error::{ShaderError, ShaderLabel};
 pub use modules::Modules;
+pub(crate) use modules::TextHash;

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// WGSL files by the name they are included by. One with the name that a pass gives its shader, such as
 /// `atrous/atrous.wgsl`, takes the place of the text that the pass was compiled with.
@@ -44,5 +45,17 @@ impl Modules {
     /// All names, sorted.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.0.keys().map(Cow::as_ref)
+    }
+}
+
+/// A number for a text, to tell whether it is still the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct TextHash(u64);
+
+impl TextHash {
+    pub fn of(text: &str) -> TextHash {
+        let mut hasher = DefaultHasher::new();
+        text.hash(&mut hasher);
+        TextHash(hasher.finish())
     }
 }

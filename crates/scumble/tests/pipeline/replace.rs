@@ -192,6 +192,9 @@ fn a_module_of_that_name_takes_the_place_of_a_shader() {
     assert_eq!(scratch.reload(&mut rig), 1, "who includes it");
     assert_eq!(step(&mut rig, 1), (2.0, 5.0 + 404.0 + 202.0));
     let mean = "mean.wgsl";
+    let modules = scratch.registry.modules_mut();
+    modules.add(mean, crate::toys::MEAN);
+    assert_eq!(scratch.reload(&mut rig), 0, "the text that is compiled in");
     let other = crate::toys::MEAN.replace(".rgb, 1.0)", ".rgb, 2.0)");
     assert_ne!(other, crate::toys::MEAN);
     scratch.registry.modules_mut().add(mean, other);
