@@ -191,9 +191,14 @@ fn picture(ui: &mut Ui, view: &mut View<'_>, images: [Option<TextureId>; 2], now
 
 /// What is wrong with the files as they are, with excerpts, and what was lost of the window's changes.
 fn mistakes(ui: &mut Ui, view: &View<'_>, area: egui::Rect) {
-    let notes = view.running.notes();
-    let problem = view.running.problem();
-    if problem.is_none() && notes.is_empty() {
+    let graphs = || {
+        [Some(&view.running), view.screen.other()]
+            .into_iter()
+            .flatten()
+    };
+    let notes = graphs().flat_map(|graph| graph.notes());
+    let problems = graphs().filter_map(|graph| graph.problem());
+    if problems.clone().next().is_none() && notes.clone().next().is_none() {
         return;
     }
     let frame = Frame::new()
@@ -210,10 +215,10 @@ fn mistakes(ui: &mut Ui, view: &View<'_>, area: egui::Rect) {
                 .min_scrolled_height(room.y)
                 .min_scrolled_width(room.x);
             scroll.show(ui, |ui| {
-                for note in notes {
+                for note in notes.clone() {
                     ui.label(RichText::new(note).color(Color32::WHITE));
                 }
-                if let Some(problem) = problem {
+                for problem in problems.clone() {
                     let text = RichText::new(problem).monospace().color(Color32::WHITE);
                     ui.add(egui::Label::new(text).extend());
                 }

@@ -3,11 +3,14 @@
 mod common;
 
 use common::gpu;
-use scumble::readback;
+use scumble::{Camera, FrameInput, Host, Pipeline, readback};
 use scumble_lab::{Gpu, device};
 use scumble_metrics::ColorMap;
+use scumble_scene::GpuScene;
+use scumble_view::drawing::{Clock, Profiler};
 use scumble_view::{Options, Start, View};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 const SIZE: [u32; 2] = [48, 32];
@@ -170,6 +173,67 @@ fn a_graph_beside_itself_is_not_apart_and_another_is() {
     view.frame(Instant::now()).unwrap();
     assert!(view.screen.problem().is_some());
     view.frame(Instant::now()).unwrap();
+}
+
+#[test]
+fn what_is_wrong_with_the_other_graph_is_told_and_both_run_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let other = folder.path().join("other.ron");
+    let extends = |more: &str| {
+        let graph = graph("path-trace-1spp.ron");
+        let graph = graph.canonicalize().unwrap();
+        let text = format!("(version: 1, extends: {graph:?}, {more})");
+        std::fs::write(&other, text).unwrap();
+    };
+    extends("");
+    let mut options = options("path-trace-1spp.ron");
+    options.compare = Some(other.clone());
+    let Some(mut view) = view(options) else {
+        return;
+    };
+    extends("set: {\"path-trace.sample\": 2}");
+    let problem = |view: &View<'_>| view.screen.other().unwrap().problem().is_some();
+    until(&mut view, "told", problem);
+    assert!(picture(&view, 0).is_some() && picture(&view, 1).is_some());
+    extends("set: {\"path-trace.samples\": 2}");
+    until(&mut view, "mended", |view| {
+        !problem(view) && view.screen.other().unwrap().swaps() == 1
+    });
+}
+
+#[test]
+fn without_timestamps_the_cpu_is_timed_and_that_is_said() {
+    let Some(shared) = gpu() else { return };
+    let adapter = device::adapter(None).unwrap();
+    let descriptor = wgpu::DeviceDescriptor {
+        required_limits: adapter.limits(),
+        ..Default::default()
+    };
+    let device = pollster::block_on(adapter.request_device(&descriptor));
+    for (device, queue, clock) in [
+        (&shared.device, &shared.queue, shared.has_timestamps()),
+        device.as_ref().map(|(d, q)| (d, q, false)).unwrap(),
+    ] {
+        let scene = Arc::new(scumble_scene::builtin("cornell").unwrap());
+        let mut host = Host::new();
+        host.insert("Scene", GpuScene::new(device, queue, scene).unwrap());
+        let registry = scumble_passes::registry();
+        let file = graph("direct-only.ron");
+        let resolved = scumble::resolve(&file, &registry, &scumble::Edits::default()).unwrap();
+        let pipeline = Pipeline::new(device, queue, &registry, resolved, &host, [16, 16]);
+        let mut pipeline = pipeline.unwrap();
+        let mut profiler = Profiler::default();
+        profiler.begin(&mut pipeline, true);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let input = FrameInput::still(Camera::default());
+        pipeline.render(&mut encoder, &input, &mut host).unwrap();
+        queue.submit([encoder.finish()]);
+        let frame = profiler.end(device, &mut pipeline).unwrap();
+        let wanted = if clock { Clock::Gpu } else { Clock::Cpu };
+        assert_eq!(profiler.clock(), Some(wanted));
+        let pass = profiler.of("gbuffer").unwrap();
+        assert!(0.0 < pass && pass < frame, "{pass} ms of {frame} ms");
+    }
 }
 
 #[test]

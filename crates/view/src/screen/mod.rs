@@ -174,6 +174,11 @@ impl<'r> Screen<'r> {
         ]
     }
 
+    /// The graph that the window's own is compared with.
+    pub fn other(&self) -> Option<&Running<'r>> {
+        self.other.as_ref().map(|other| &other.running)
+    }
+
     /// Why nothing is shown, where that is so.
     pub fn problem(&self) -> Option<&str> {
         let other = self.other.as_ref().map(|other| &other.side);
