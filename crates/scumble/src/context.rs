@@ -1,7 +1,7 @@
 //! What a pass is given to build itself.
 
 use std::cell::RefCell;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use framegraph::{
     ComputeKernel, KernelDesc, KernelError, RasterKernel, RasterKernelDesc, Size, TextureDesc,
@@ -118,7 +118,7 @@ pub struct BuildContext<'a> {
     pub(crate) modules: &'a Modules,
     pub(crate) info: &'a PassInfo,
     /// How each kernel made here is bound.
-    pub(crate) plans: RefCell<Vec<Rc<KernelPlan>>>,
+    pub(crate) plans: RefCell<Vec<Arc<KernelPlan>>>,
     /// Every shader composed here.
     pub(crate) shaders: RefCell<Vec<String>>,
     /// The files that they were made of.
@@ -206,7 +206,7 @@ impl BuildContext<'_> {
         };
         let kernel = ComputeKernel::new(self.device, &desc).map_err(|e| explained(&composed, e))?;
         let plan = KernelPlan::new(&kernel, self.info, Some(&composed))?;
-        self.plans.borrow_mut().push(Rc::new(plan));
+        self.plans.borrow_mut().push(Arc::new(plan));
         Ok(kernel)
     }
 

@@ -1,6 +1,6 @@
 //! One dispatch of a pass: everything bound by name, with what the pass gives by hand in front.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use framegraph::{Buffer, ComputeKernel, ComputeNode, Size, Texture, View};
 
@@ -16,7 +16,7 @@ use crate::uniform::{UniformValue, wgsl_member_type};
 pub struct Dispatch<'d, 'a, 'f> {
     node: ComputeNode<'d, 'f>,
     side: &'d mut Side<'a, 'f>,
-    plan: Option<Rc<KernelPlan>>,
+    plan: Option<Arc<KernelPlan>>,
     /// Bindings given by hand: index into the plan's.
     bound: Vec<bool>,
     /// Members given by hand: index of the uniform's binding and of the member.

@@ -1,6 +1,6 @@
 //! The state behind a [`PassFrame`](crate::PassFrame): what a frame shares, and what each pass has in it.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use framegraph::{ComputeKernel, FrameGraph, Label, Size, Texture, TextureDesc};
 use glam::Mat4;
@@ -61,7 +61,7 @@ pub(crate) struct OutputSlot {
 /// What a pass keeps between frames on this side.
 #[derive(Default)]
 pub(crate) struct PassState {
-    pub plans: Vec<Rc<KernelPlan>>,
+    pub plans: Vec<Arc<KernelPlan>>,
     pub labels: Vec<(&'static str, Label)>,
     /// Keys of its own histories.
     pub histories: Vec<Label>,
@@ -163,11 +163,11 @@ impl Side<'_, '_> {
     }
 
     /// The plan of a kernel: made with it, or now for one that was made elsewhere.
-    pub fn plan(&mut self, kernel: &ComputeKernel) -> Result<Rc<KernelPlan>, BuildError> {
+    pub fn plan(&mut self, kernel: &ComputeKernel) -> Result<Arc<KernelPlan>, BuildError> {
         if let Some(plan) = self.state.plans.iter().find(|plan| plan.is_of(kernel)) {
             return Ok(plan.clone());
         }
-        let plan = Rc::new(KernelPlan::new(kernel, self.info, None)?);
+        let plan = Arc::new(KernelPlan::new(kernel, self.info, None)?);
         self.state.plans.push(plan.clone());
         Ok(plan)
     }

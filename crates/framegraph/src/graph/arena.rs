@@ -6,8 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::list::List;
 use super::{
-    Access, Attachment, Bind, DrawWork, Export, ForeignWork, FormatCaps, HistoryUse, Import, Node,
-    Resource, StandIn,
+    Access, Attachment, Bind, Export, FormatCaps, HistoryUse, Import, Node, Resource, StandIn,
 };
 use crate::compile::{Plans, Scratch};
 use crate::error::Site;
@@ -44,6 +43,9 @@ impl Shared {
     }
 }
 
+/// In the place of a closure that records: it may stay on its thread, and what a pool keeps may not.
+pub(crate) type NoWork = Option<Box<dyn Send + Sync>>;
+
 /// All lists of a graph. While nobody uses them they are empty, but what the graph declared is still there to
 /// be declared again, and so is what is known of formats.
 #[derive(Default)]
@@ -64,8 +66,8 @@ pub(crate) struct Arena {
     pub kernels: Vec<Kernel>,
     pub kernel_at: Vec<u32>,
     pub imports: Vec<Import>,
-    pub draws: Vec<Option<Box<DrawWork<'static>>>>,
-    pub foreign: Vec<Option<Box<ForeignWork<'static>>>>,
+    pub draws: Vec<NoWork>,
+    pub foreign: Vec<NoWork>,
     pub upload: Vec<u8>,
     pub exports: Vec<Export>,
     pub export_keys: HashMap<Label, Site, Hasher>,

@@ -348,3 +348,10 @@ impl std::fmt::Debug for Pipeline {
             .finish_non_exhaustive()
     }
 }
+
+// An engine builds pipelines on one thread and renders them on another.
+const _: () = {
+    const fn sent<T: Send>() {}
+    sent::<Pipeline>();
+    sent::<Replacement>();
+};
