@@ -1,6 +1,7 @@
-//! The project's chores: `cargo xtask demo | test | bench | setup | ci`.
+//! The project's chores: `cargo xtask demo | test | bench | setup | ci | bevy`.
 
 mod bench;
+mod bevy;
 mod checks;
 mod command;
 mod demo;
@@ -40,6 +41,8 @@ enum Chore {
     Setup,
     /// What a change must pass: format, lints, documentation, tests, every graph file, and passes of others
     Ci,
+    /// Test the Bevy plugin and run its example, which writes out/bevy/*.png; the first time, Bevy is built
+    Bevy,
 }
 
 fn main() -> ExitCode {
@@ -49,6 +52,7 @@ fn main() -> ExitCode {
         Chore::Bench { name } => bench::run(name.as_deref()),
         Chore::Setup => setup::run(),
         Chore::Ci => checks::ci(),
+        Chore::Bevy => bevy::check(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
