@@ -67,7 +67,7 @@ impl Pass for GbufferReflected {
             port(
                 "albedo",
                 signal::ALBEDO,
-                "of the reflected point; 1 without one",
+                "k_d + F0 of the reflected point; 1 where it emits, and without one",
             ),
             port(
                 "displacement",

@@ -1,5 +1,5 @@
 // The guides of what a mirror shows, from the visibility buffer of mirror_rays.wgsl: at the point y that the ray from x meets,
-//   view_z = depth of x + |y - x| v,   displacement = y' - y,
+//   view_z = depth of x + |y - x| v,   displacement = y' - y,   albedo = k_d + F0 where y does not emit, else 1,
 // v the direction from the eye to x, y' where the point was in the previous frame. L. Dundr, "Progressive Spatiotemporal
 // Variance-Based Path Tracing Filtering", 2018, section 6.2, second way.
 
@@ -54,14 +54,16 @@ fn resolve_content(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let seen = textureLoad(visibility, id.xy, 0);
-    // Where it shows no surface, nothing is to be divided out.
-    var k_d = vec4f(1.0);
+    // Of the sky, or of what shines by itself, nothing is to be divided out.
+    var albedo = vec4f(1.0);
     var displacement = vec3f(0.0);
     if seen.x != 0u && seen.x != NOT_TRACED {
         let s = point_of(seen, mirror_at(id.xy));
-        k_d = vec4f(s.albedo, s.f90);
+        if !any(s.emission > vec3f(0.0)) {
+            albedo = vec4f(s.albedo + s.f0, s.f90);
+        }
         displacement = s.previous_position - s.position;
     }
-    textureStore(out_albedo, id.xy, k_d);
+    textureStore(out_albedo, id.xy, albedo);
     textureStore(out_displacement, id.xy, vec4f(clamp_f16(displacement), 0.0));
 }

@@ -19,6 +19,8 @@ scumble::params! {
     pub struct SpecularModulateParams {
         /// Which way.
         pub operation: Operation = Operation::Divide;
+        /// What is reflected counts as no darker than this; at 1 nothing is divided out for it.
+        pub least_albedo: f32 = 0.05, in 0.01..=1.0;
     }
 }
 

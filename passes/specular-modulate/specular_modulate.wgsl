@@ -5,17 +5,17 @@
 // Engine 4", SIGGRAPH 2013). Fitted by least squares over roughness r and c = NoV, q = (1, c, r, c^2, c r, r^2):
 //   E = 1 + r^2 (-0.488, 0.316, -0.387, 0.294, -0.992, 0.538) . q
 //   B = 2^((-0.016, -5.804, -1.949, -9.476, 10.519, -7.281) . q)
-// a_r = mix(1, clamp(k_r, 0.05, 1), (1 - r^2)^8) is the albedo of what a mirror shows, where it is wired: L. Dundr 2018, section 6.2.
+// a_r = mix(1, clamp(k_r, least_albedo, 1), (1 - r^2)^8) is the albedo of what a mirror shows, where it is wired: L. Dundr 2018, section 6.2.
 
 #include "scumble/conventions.wgsl"
 
 const LEAST_SHARE: f32 = 0.01;
-const LEAST_ALBEDO: f32 = 0.05;
 const MULTIPLY: u32 = 1u;
 
 struct Params {
     camera_position: vec3f,
     operation: u32,
+    least_albedo: f32,
     has_reflected_albedo: u32,
 }
 
@@ -48,7 +48,7 @@ fn share(p: vec2i) -> vec3f {
     if params.has_reflected_albedo != 0u {
         let k = textureLoad(reflected_albedo, p, 0).rgb;
         let sharpness = pow(1.0 - m.w * m.w, 8.0);
-        f *= mix(vec3f(1.0), select(vec3f(1.0), clamp(k, vec3f(LEAST_ALBEDO), vec3f(1.0)), is_finite3(k)), sharpness);
+        f *= mix(vec3f(1.0), select(vec3f(1.0), clamp(k, vec3f(params.least_albedo), vec3f(1.0)), is_finite3(k)), sharpness);
     }
     return f;
 }
