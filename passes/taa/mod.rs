@@ -53,6 +53,19 @@ scumble::choice! {
     }
 }
 
+scumble::choice! {
+    /// Whose motion leads to the history.
+    pub enum Follow {
+        /// The pixel's own.
+        Own,
+        /// The longest of 3 x 3.
+        Longest,
+        /// That of the nearest surface of 3 x 3: the edge of what stands in front moves with it. Without `view_z` it is `Longest`.
+        #[default]
+        Nearest,
+    }
+}
+
 scumble::params! {
     /// What `taa` can be told.
     pub struct TaaParams {
@@ -74,8 +87,8 @@ scumble::params! {
         pub slack: f32 = 0.0, in 0.0..=100.0;
         /// How the history is interpolated.
         pub sampling: Sampling = Sampling::CatmullRom;
-        /// Whether the longest motion of 3 x 3 is followed, so that the edges of what moves are anti-aliased, too.
-        pub longest_motion: bool = true;
+        /// Whose motion leads to the history, so that the edges of what moves are anti-aliased, too.
+        pub follow: Follow = Follow::Nearest;
     }
 }
 
@@ -96,6 +109,10 @@ impl Pass for Taa {
             Port::new("motion", signal::MOTION)
                 .any_resolution()
                 .about("where history is"),
+            Port::new("view_z", signal::VIEW_Z)
+                .any_resolution()
+                .optional()
+                .about("which surface is the nearest; without it the longest motion is followed"),
             Port::new("samples", signal::AGE)
                 .any_resolution()
                 .optional()

@@ -6,7 +6,7 @@
 // The box is the least and greatest colour of 3x3, widened by `slack`, or its mean +- gamma standard deviations.
 // B. Karis, "High-Quality Temporal Supersampling", SIGGRAPH 2014 courses (clamp, clip, Catmull-Rom, reversible tone mapping);
 // M. Salvi, "An Excursion in Temporal Supersampling", GDC 2016 (variance box); L. Dundr, "Progressive Spatiotemporal Variance-Based
-// Path Tracing Filtering", 2018, section 4.1.5 (which prints r - 1 for 1 - r).
+// Path Tracing Filtering", 2018, section 4.1.5 (which prints r - 1 for 1 - r). Motion is that of the nearest surface of 3x3 (Karis).
 
 #include "scumble/conventions.wgsl"
 #include "accumulate/footprint.wgsl"
@@ -20,9 +20,10 @@ struct Params {
     gamma: f32,
     slack: f32,
     sampling: u32,
-    longest_motion: u32,
+    follow: u32,
     warm_up: u32,
     has_samples: u32,
+    has_view_z: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -30,6 +31,7 @@ struct Params {
 @group(0) @binding(2) var motion: texture_2d<f32>;
 @group(0) @binding(3) var samples: texture_2d<f32>;
 @group(0) @binding(4) var previous_value: texture_2d<f32>;
+@group(0) @binding(6) var view_z: texture_2d<f32>;
 @group(0) @binding(5) var next_value: texture_storage_2d<{{value.format}}, write>;
 
 const SPACE_REVERSIBLE: u32 = 0u;
@@ -39,6 +41,8 @@ const RECTIFY_NEAREST: u32 = 3u;
 const COLORS_YCOCG: u32 = 1u;
 const BOUNDS_VARIANCE: u32 = 1u;
 const CATMULL_ROM: u32 = 1u;
+const FOLLOW_OWN: u32 = 0u;
+const FOLLOW_NEAREST: u32 = 2u;
 
 // x / (1 + max(x)) and back: T. Lottes, "Fast Reversible Tonemapper for Resolve", 2013.
 fn to_space(c: vec3f) -> vec3f {
@@ -70,17 +74,33 @@ fn from_space(c: vec3f) -> vec3f {
     return x;
 }
 
+// What makes a texel lead the motion of those around it; sky and holes lead none.
+fn lead(q: vec2i, m: vec2f, by_depth: bool) -> f32 {
+    if !by_depth {
+        return dot(m, m);
+    }
+    let z = textureLoad(view_z, q, 0).x;
+    return select(0.0, 1.0 / max(z, 1e-20), is_finite(z) && is_surface(z));
+}
+
 fn motion_at(q: vec2i, size: vec2i) -> vec2f {
-    var longest = textureLoad(motion, q, 0).xy;
-    if params.longest_motion != 0u {
-        for (var i = 0; i < 9; i++) {
-            let m = textureLoad(motion, clamp(q + tap_3x3(i), vec2i(0), size - 1), 0).xy;
-            if dot(m, m) > dot(longest, longest) {
-                longest = m;
-            }
+    var leading = textureLoad(motion, q, 0).xy;
+    if params.follow == FOLLOW_OWN {
+        return leading;
+    }
+    let by_depth = params.follow == FOLLOW_NEAREST && params.has_view_z != 0u;
+    // Of the nearest, or the longest.
+    var most = lead(q, leading, by_depth);
+    for (var i = 0; i < 9; i++) {
+        let tap = clamp(q + tap_3x3(i), vec2i(0), size - 1);
+        let m = textureLoad(motion, tap, 0).xy;
+        let here = lead(tap, m, by_depth);
+        if here > most {
+            most = here;
+            leading = m;
         }
     }
-    return longest;
+    return leading;
 }
 
 // Of a texel.

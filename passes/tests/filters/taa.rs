@@ -11,7 +11,7 @@ struct Rule {
     variance: bool,
     slack: f64,
     spline: bool,
-    longest: bool,
+    follow: &'static str,
     warm_up: bool,
 }
 
@@ -31,17 +31,20 @@ fn to_space(c: [f64; 4], rule: &Rule) -> [f64; 3] {
     x
 }
 
-fn from_space(x: [f64; 3], rule: &Rule) -> [f64; 4] {
-    let mut x = x;
-    if rule.ycocg {
-        let [y, co, cg] = x;
-        x = [
+fn to_rgb(x: [f64; 3], rule: &Rule) -> [f64; 3] {
+    let [y, co, cg] = x;
+    match rule.ycocg {
+        true => [
             y - cg / 2.0 + co / 2.0,
             y + cg / 2.0,
             y - cg / 2.0 - co / 2.0,
-        ];
+        ],
+        false => x,
     }
-    x = x.map(|v| v.max(0.0));
+}
+
+fn from_space(x: [f64; 3], rule: &Rule) -> [f64; 4] {
+    let mut x = to_rgb(x, rule).map(|v| v.max(0.0));
     if rule.reversible {
         let most = x
             .iter()
@@ -58,6 +61,7 @@ fn twin(
     before: &Image,
     motion: &Image,
     samples: &Image,
+    view_z: &Image,
     rule: &Rule,
 ) -> Vec<Option<[f64; 4]>> {
     let size = value.size.map(i64::from);
@@ -67,9 +71,17 @@ fn twin(
         let around = |radius: u32| value.window(q, radius);
         let length = |m: [f64; 4]| m[0] * m[0] + m[1] * m[1];
         let mut m = motion.at(q);
-        if rule.longest {
+        let lead = |p: [u32; 2]| match (rule.follow, view_z.x(p)) {
+            ("Longest", _) => length(motion.at(p)),
+            // Sky and holes lead nothing.
+            (_, z) if z <= 0.0 || z > 1e29 => 0.0,
+            (_, z) => 1.0 / z,
+        };
+        if rule.follow != "Own" {
+            let mut most = lead(q);
             for p in around(1) {
-                if length(motion.at(p)) > length(m) {
+                if lead(p) > most {
+                    most = lead(p);
                     m = motion.at(p);
                 }
             }
@@ -119,9 +131,14 @@ fn twin(
         }
         let mut p = sum.map(|s| s / weight);
         let frames = (frames / weight).clamp(1.0, 1024.0);
-        let of_frames = |c: [f64; 4], n: f64| Some([c[0], c[1], c[2], n]);
+        let of_frames = |x: [f64; 3], n: f64| {
+            // Sums of numbers near 1 that cancel out: f32 holds a thousandth of 1 to 1e-4 of itself, and no less.
+            let cancelled = to_rgb(x, rule).iter().any(|v| v.abs() < 1e-3);
+            let [r, g, b, _] = from_space(x, rule);
+            (!cancelled).then_some([r, g, b, n])
+        };
         if !finite || samples.x(q) == 0.0 {
-            return of_frames(from_space(p, rule), frames);
+            return of_frames(p, frames);
         }
         let colours: Vec<[f64; 3]> = around(1)
             .map(|p| value.at(p))
@@ -180,7 +197,7 @@ fn twin(
             false => BLEND,
         };
         let blended = [0, 1, 2].map(|i| r * new[i] + (1.0 - r) * p[i]);
-        of_frames(from_space(blended, rule), (frames + 1.0).min(1024.0))
+        of_frames(blended, (frames + 1.0).min(1024.0))
     })
 }
 
@@ -194,7 +211,7 @@ fn agrees_with_its_twin() {
         variance: false,
         slack: 0.0,
         spline: true,
-        longest: true,
+        follow: "Longest",
         warm_up: true,
     };
     let rules = [
@@ -204,12 +221,13 @@ fn agrees_with_its_twin() {
             ycocg: false,
             spline: false,
             slack: 0.5,
-            longest: false,
+            follow: "Own",
             ..plain
         },
         Rule {
             variance: true,
             warm_up: false,
+            follow: "Nearest",
             ..plain
         },
         Rule {
@@ -246,10 +264,19 @@ fn agrees_with_its_twin() {
                     };
                     [along(size[0]), along(size[1]), 0.0, 1.0]
                 });
-                (value, samples, motion)
+                // A few of everything: sky, holes, and surfaces at distances that f32 keeps apart.
+                let view_z = Image::new(size, |_| {
+                    let z = match random.bits() % 8 {
+                        0 => 1e30,
+                        1 => -1.0,
+                        n => n as f64 + random.range(0.0, 0.5),
+                    };
+                    [f64::from(z as f32), 0.0, 0.0, 1.0]
+                });
+                (value, samples, motion, view_z)
             });
             let with = format!(
-                "space: {}, rectify: {}, colors: {}, bounds: {}, gamma: {GAMMA}, slack: {:?}, sampling: {}, longest_motion: {}, warm_up: {}",
+                "space: {}, rectify: {}, colors: {}, bounds: {}, gamma: {GAMMA}, slack: {:?}, sampling: {}, follow: {}, warm_up: {}",
                 if rule.reversible {
                     "Reversible"
                 } else {
@@ -264,26 +291,28 @@ fn agrees_with_its_twin() {
                 } else {
                     "Bilinear"
                 },
-                rule.longest,
+                rule.follow,
                 rule.warm_up,
             );
-            let (value, samples, motion) = &frames[0];
+            let (value, samples, motion, view_z) = &frames[0];
             let mut session = Run::new("taa", &with, size)
                 .input("value", Input::any(signal::POSITION, value))
                 .input("samples", Input::any(signal::AGE, samples))
                 .input("motion", Input::any(signal::MOTION, motion))
+                .input("view_z", Input::any(signal::VIEW_Z, view_z))
                 .start(&["value"]);
             let mut before = Image::new(size, |_| [0.0; 4]);
-            for (value, samples, motion) in &frames {
+            for (value, samples, motion, view_z) in &frames {
                 session.write("value", value);
                 session.write("samples", samples);
                 session.write("motion", motion);
+                session.write("view_z", view_z);
                 session.render(&FrameInput::still(camera()));
                 let got = session.read("value");
                 assert_close(
                     "taa",
                     &got,
-                    &twin(value, &before, motion, samples, rule),
+                    &twin(value, &before, motion, samples, view_z, rule),
                     Storage::F32,
                 );
                 before.texels = got.iter().map(|t| t.map(f64::from)).collect();
