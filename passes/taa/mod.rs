@@ -22,9 +22,9 @@ scumble::choice! {
         /// Not at all.
         Off,
         /// Each channel into the box.
+        #[default]
         Clamp,
         /// Towards the middle of the box until it is inside, which keeps its hue.
-        #[default]
         Clip,
         /// By the colour of 3 x 3 that is nearest to it.
         Nearest,
@@ -76,7 +76,7 @@ scumble::params! {
         /// Where colours are blended.
         pub space: Space = Space::Reversible;
         /// How the history is kept near the new colours.
-        pub rectify: Rectify = Rectify::Clip;
+        pub rectify: Rectify = Rectify::Clamp;
         /// In which axes the box stands.
         pub colors: Colors = Colors::YCoCg;
         /// What the box holds.
