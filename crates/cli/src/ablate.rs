@@ -6,7 +6,7 @@ use crate::args::{AblateArgs, AblateVerb, MergeArgs};
 use crate::failure::Failure;
 use crate::{Verdict, folder, levers, report};
 use progress::Progress;
-use scumble::{Diagnostics, Pipeline, Registry};
+use scumble::{Pipeline, Registry};
 use scumble_lab::{
     Baseline, Event, Experiment, Gpu, Index, LabError, Plan, Results, Runner, device,
     measure_speed, merge,
@@ -118,10 +118,11 @@ fn verdict(results: &Results) -> Verdict {
     if results.failures.is_empty() {
         return Verdict::Fine;
     }
-    report::error(format_args!(
-        "{} parts of the experiment gave nothing:",
-        results.failures.len()
-    ));
+    let parts = match results.failures.len() {
+        1 => "1 part".to_owned(),
+        n => format!("{n} parts"),
+    };
+    report::error(format_args!("{parts} of the experiment gave nothing:"));
     results.failures.iter().for_each(report::error);
     Verdict::Incomplete
 }
@@ -143,12 +144,6 @@ fn dry_run(args: &AblateArgs, plan: &Plan, registry: &Registry) -> Result<Verdic
         Ok(gpu) => measure_speed(&gpu, registry, plan).ok(),
         Err(_) => None,
     };
-    let mut mistakes = Diagnostics::new();
-    for variant in &plan.variants {
-        if let Err(found) = &variant.graph {
-            mistakes.extend(found.clone());
-        }
-    }
     if args.json {
         report::json(&json!({
             "design": plan.design,
@@ -161,7 +156,7 @@ fn dry_run(args: &AblateArgs, plan: &Plan, registry: &Registry) -> Result<Verdic
     } else {
         report::line(plan.text(speed).trim_end());
     }
-    mistakes.or(Verdict::Fine).map_err(Failure::Graph)
+    plan.mistakes().or(Verdict::Fine).map_err(Failure::Graph)
 }
 
 fn put_together(args: &MergeArgs) -> Result<Verdict, Failure> {

@@ -36,7 +36,7 @@ mod schema;
 mod view;
 
 use args::{Cli, Verb};
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 use failure::Failure;
 use scumble::Registry;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -51,9 +51,22 @@ enum Verdict {
     Incomplete,
 }
 
+/// The command line. A number below 0 is a value and no option, so that each option can say what it wants instead.
+fn command() -> clap::Command {
+    fn numbers(command: clap::Command) -> clap::Command {
+        let options = |arg: clap::Arg| match arg.get_action().takes_values() && !arg.is_positional()
+        {
+            true => arg.allow_negative_numbers(true),
+            false => arg,
+        };
+        command.mut_args(options).mut_subcommands(numbers)
+    }
+    numbers(Cli::command())
+}
+
 /// Runs the program on the arguments of this process, with the passes, signals and WGSL modules of `registry`.
 pub fn main_with(registry: Registry) -> ExitCode {
-    let cli = Cli::parse();
+    let cli = Cli::from_arg_matches(&command().get_matches()).unwrap_or_else(|e| e.exit());
     // A panic is a mistake of this program; it, too, is one message and exit code 2.
     std::panic::set_hook(Box::new(|panic| {
         report::error(format_args!(
@@ -88,7 +101,7 @@ fn run(verb: &Verb, registry: &Registry) -> Result<Verdict, Failure> {
         Verb::Scene(verb) => scene::run(verb),
         Verb::Schema(args) => schema::run(args, registry),
         Verb::Completions(args) => {
-            let mut command = Cli::command();
+            let mut command = command();
             clap_complete::generate(args.shell, &mut command, "scumble", &mut std::io::stdout());
             Ok(())
         }

@@ -15,7 +15,7 @@ fn a_dry_run_tells_the_plan_and_writes_nothing() {
     assert_eq!((run.code, run.err.as_str()), (0, ""));
     for part in [
         "e: a test",
-        "4 runs: 1 scenes x 1 camera paths x 2 variants x 2 seeds, at 32x24 pixels",
+        "4 runs: 1 scene x 1 camera path x 2 variants x 2 seeds, at 32x24 pixels",
         "8 frames",
         "expected time: about ",
         "traced ",

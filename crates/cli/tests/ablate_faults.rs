@@ -91,6 +91,15 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 }
 ";
 
+/// A graph for others.
+const PART: &str = r#"(
+    version: 1,
+    about: "a part",
+    inputs: {"value": (signal: any, resolution: full)},
+    passes: [(use: "albedo-modulate", in: {"value": "value"})],
+    outputs: {"value": "albedo-modulate.value"},
+)"#;
+
 /// A scene that is not there, a graph that is not there, one that does not compile, one whose values are not finite:
 /// the others are run, and the rest is said.
 #[test]
@@ -144,12 +153,18 @@ fn what_gives_nothing_is_told_and_the_rest_is_there() {
     assert!(found["failures"].as_array().unwrap().len() >= 6);
     assert_whole(&lab.path("out"));
     // A dry run finds what can be found without running.
+    lab.change("missing.ron", "part.ron");
+    lab.write("part.ron", PART);
     let run = lab.ablate("dry", &["--dry-run"]);
-    assert!(
-        run.code == 2 && run.err.contains("did you mean `radiance`?"),
-        "{}",
-        run.err
-    );
+    assert_eq!(run.code, 2);
+    for message in [
+        "there is no scene `nowhere.glb`",
+        "did you mean `radiance`?",
+        "nothing feeds its inputs `value`",
+    ] {
+        assert!(run.err.contains(message), "{message} is not in {}", run.err);
+    }
+    assert!(run.out.contains("its graph has mistakes"), "{}", run.out);
 }
 
 /// A small file system that is taken away again.

@@ -13,6 +13,7 @@ mod experiment;
 mod images;
 mod key;
 mod measure;
+mod mistakes;
 mod output;
 mod plan;
 mod record;

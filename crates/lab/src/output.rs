@@ -226,12 +226,12 @@ impl Plan {
         let [runs, references] = self.paths();
         let _ = writeln!(
             text,
-            "{} runs: {} scenes x {} camera paths x {} variants x {} seeds, at {}x{} pixels",
-            self.runs(),
-            d.scenes.len(),
-            d.cameras.len(),
-            d.variants.len(),
-            d.seeds.len(),
+            "{}: {} x {} x {} x {}, at {}x{} pixels",
+            count(self.runs(), "run"),
+            count(d.scenes.len(), "scene"),
+            count(d.cameras.len(), "camera path"),
+            count(d.variants.len(), "variant"),
+            count(d.seeds.len(), "seed"),
             d.size[0],
             d.size[1]
         );
@@ -254,12 +254,11 @@ impl Plan {
             let seconds = (runs + references) / rate;
             let _ = writeln!(text, "expected time: about {}", duration(seconds));
         }
-        for variant in &d.variants {
-            let _ = writeln!(
-                text,
-                "  {:<40} {} paths per pixel",
-                variant.name, variant.paths
-            );
+        for (variant, design) in self.variants.iter().zip(&d.variants) {
+            let _ = match variant.graph {
+                Ok(_) => writeln!(text, "  {:<40} {}", variant.name, per_pixel(design.paths)),
+                Err(_) => writeln!(text, "  {:<40} its graph has mistakes", variant.name),
+            };
         }
         for note in &self.notes {
             let _ = writeln!(text, "  note: {note}");
@@ -273,6 +272,22 @@ impl Plan {
             );
         }
         text
+    }
+}
+
+/// A number of things, in words.
+pub(crate) fn count(n: usize, what: &str) -> String {
+    match n {
+        1 => format!("1 {what}"),
+        n => format!("{n} {what}s"),
+    }
+}
+
+/// Paths per pixel, in words.
+pub(crate) fn per_pixel(paths: f64) -> String {
+    match paths {
+        1.0 => "1 path per pixel".into(),
+        n => format!("{n} paths per pixel"),
     }
 }
 

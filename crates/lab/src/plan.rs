@@ -2,6 +2,7 @@
 
 use crate::budget::{Spending, budget_params, spend, spending};
 use crate::experiment::{Budget, CameraPath, Experiment, Factor, GraphChoice, Motion};
+use crate::mistakes::whole;
 use scumble::diagnostics::{Span, Spanned};
 use scumble::{Diagnostics, Edits, Registry, Resolved, resolve};
 use serde::{Deserialize, Serialize};
@@ -248,7 +249,8 @@ impl Planner<'_> {
             written_bypass: choice.bypass.iter().chain(&draft.bypass).cloned().collect(),
             ..Edits::default()
         };
-        let mut graph = resolve(&file, self.registry, &edits);
+        let mut graph =
+            resolve(&file, self.registry, &edits).and_then(|graph| whole(graph, &choice.path));
         let spent = match &mut graph {
             Ok(graph) => self.spend(&name, graph, &edits),
             Err(_) => Vec::new(),

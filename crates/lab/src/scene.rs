@@ -3,7 +3,7 @@
 use scumble_scene::{
     BUILTIN_NAMES, LoadOptions, Material, MaterialOverride, Scene, SceneError, Sky,
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The built-in scene of that name, or the file's; a name that is no file here may be one of the shared
 /// test scenes. With `lambert` every material becomes Lambert with its base colour; `sky` takes the place of
@@ -25,13 +25,18 @@ pub fn load_scene(name: &Path, lambert: bool, sky: Option<Sky>) -> Result<Scene,
         return Ok(scene);
     }
     let material_override = lambert.then_some(MaterialOverride::Lambert);
-    let shared = || scumble_scene::shared(Path::new("scenes").join(name));
-    let file = (!name.exists()).then(shared).flatten();
     scumble_scene::load(
-        file.as_deref().unwrap_or(name),
+        &scene_file(name),
         &LoadOptions {
             material_override,
             sky,
         },
     )
+}
+
+/// Where a scene that is not built in should be.
+pub(crate) fn scene_file(name: &Path) -> PathBuf {
+    let shared = || scumble_scene::shared(Path::new("scenes").join(name));
+    let file = (!name.exists()).then(shared).flatten();
+    file.unwrap_or_else(|| name.to_owned())
 }

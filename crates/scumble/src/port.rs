@@ -33,6 +33,8 @@ pub struct Port {
     pub precise: bool,
     /// For an output: so stored where it outlives its frame, as what is read `@prev` and what the graph gives do.
     pub precise_if_kept: bool,
+    /// For an output: its values are meant to be others than those that come in, even of a constant image.
+    pub alters: bool,
     /// What it is, in one line.
     pub about: &'static str,
 }
@@ -80,6 +82,7 @@ impl Port {
             first: None,
             precise: false,
             precise_if_kept: false,
+            alters: false,
             about: "",
         }
     }
@@ -131,6 +134,12 @@ impl Port {
     /// Stored in [`Signal::precise_format`].
     pub const fn precise(mut self) -> Self {
         self.precise = true;
+        self
+    }
+
+    /// See [`Port::alters`].
+    pub const fn alters(mut self) -> Self {
+        self.alters = true;
         self
     }
 

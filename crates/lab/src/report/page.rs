@@ -3,6 +3,7 @@
 use super::{embed, method, parts, summary, viewer};
 use crate::error::LabError;
 use crate::images::Images;
+use crate::output::per_pixel;
 use crate::results::Results;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use std::collections::BTreeSet;
@@ -60,13 +61,13 @@ fn facts(results: &Results) -> Markup {
     let cameras = d.cameras.iter();
     let cameras = cameras.map(|c| format!("{} ({} frames)", c.name, c.frames));
     let budget = match (d.equal_rays, d.equal_time) {
-        (Some(paths), _) => format!("equal rays, {paths} paths per pixel and frame"),
+        (Some(paths), _) => format!("equal rays, {} and frame", per_pixel(paths)),
         (None, Some(ms)) => format!("equal time, {ms} ms per frame"),
         (None, None) => "none".to_owned(),
     };
     let references = match &d.reference_files {
         Some(files) => files.clone(),
-        None => format!("{} paths per pixel", d.reference_samples),
+        None => per_pixel(d.reference_samples.into()),
     };
     let mut facts = vec![
         ("Scenes", d.scenes.join(", ")),

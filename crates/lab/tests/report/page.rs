@@ -226,7 +226,7 @@ fn the_budget_and_the_references_are_told_as_they_are() {
         std::fs::read_to_string(path).unwrap()
     };
     let rays = facts(|_| {});
-    assert!(rays.contains("equal rays, 1 paths per pixel and frame"));
+    assert!(rays.contains("equal rays, 1 path per pixel and frame"));
     assert!(rays.contains("<dd>64 paths per pixel</dd>"));
     let time = facts(|results| {
         results.design.equal_rays = None;

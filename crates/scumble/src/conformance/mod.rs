@@ -19,6 +19,7 @@ use std::sync::Arc;
 
 use crate::frame_input::FrameInput;
 use crate::host::Host;
+use crate::port::Port;
 use crate::registry::{PassType, Registry};
 
 /// What passes are checked with.
@@ -67,8 +68,8 @@ pub enum Rule {
     Holes,
     /// A texel that is NaN or infinite makes no other texel so.
     BadTexel,
-    /// A constant image stays: for outputs that a bypass says to be a filtered input, and that tell of light and
-    /// not of samples or surfaces.
+    /// A constant image stays: for outputs that a bypass says to be a filtered input, that tell of light and not of
+    /// samples or surfaces, and that are not declared to alter it ([`Port::alters`](crate::Port::alters)).
     Constant,
     /// A bypassed pass gives what its bypass declares.
     Bypass,
@@ -197,7 +198,14 @@ pub fn check_type(registry: &Registry, ty: &Arc<PassType>, fixture: &mut Fixture
             report.skip(rule, "no bypass says that an output is a filtered input");
         }
     } else {
-        report.add(Rule::Constant, bench.constant());
+        let altered = |port: &Port| !run::is_filtered(ty, port) || port.alters;
+        match ty.outputs.iter().all(altered) {
+            true => report.skip(
+                Rule::Constant,
+                "its outputs are declared to alter what comes in",
+            ),
+            false => report.add(Rule::Constant, bench.constant()),
+        }
         report.add(Rule::Bypass, bench.bypass());
     }
     report.add(Rule::SameBits, bench.same_bits());

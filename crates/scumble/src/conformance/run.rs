@@ -129,7 +129,7 @@ impl<'a> Bench<'a> {
             Ok(outputs) => outputs,
             Err(error) => return vec![error],
         };
-        self.differs_from_constant(&outputs)
+        self.differs_from_constant(&outputs, |port| !port.alters)
     }
 
     pub fn bypass(&mut self) -> Vec<String> {
@@ -145,7 +145,7 @@ impl<'a> Bench<'a> {
             (Ok(constant), Ok(surfaces)) => (constant, surfaces),
             (Err(error), _) | (_, Err(error)) => return vec![error],
         };
-        let mut failures = self.differs_from_constant(&constant);
+        let mut failures = self.differs_from_constant(&constant, |_| true);
         for rule in ty
             .bypass
             .iter()
@@ -239,8 +239,8 @@ impl<'a> Bench<'a> {
         Some([middle.map(|m| m * n), middle.map(|m| m * n + n - 1)])
     }
 
-    fn differs_from_constant(&self, outputs: &Outputs) -> Vec<String> {
-        let filtered = |port: &Port| self.ty.bypass.iter().any(|rule| rule.output == port.name);
+    fn differs_from_constant(&self, outputs: &Outputs, of: impl Fn(&Port) -> bool) -> Vec<String> {
+        let filtered = |port: &Port| of(port) && is_filtered(&self.ty, port);
         let mut failures = Vec::new();
         for (port, texels) in self.ty.outputs.iter().zip(outputs) {
             let signal = self.signal(port);
@@ -260,10 +260,14 @@ impl<'a> Bench<'a> {
                 .iter()
                 .position(|t| (t[0] - CONSTANT).abs() > 1.0 / 2048.0);
             if let Some(i) = wrong {
-                failures.push(format!(
-                    "`{}` is {} at texel {i}, and the input {CONSTANT}",
+                let what = format!(
+                    "`{}` is {} at texel {i}, and the input {CONSTANT}: a mean keeps what is constant",
                     port.name, texels[i][0]
-                ));
+                );
+                failures.push(match port.alters {
+                    true => what,
+                    false => format!("{what}; say `alters` of an output that is none"),
+                });
             }
         }
         failures
@@ -436,4 +440,9 @@ fn is_light(port: &Port) -> bool {
 
 fn bits(texels: &[[f32; 4]]) -> Vec<[u32; 4]> {
     texels.iter().map(|t| t.map(f32::to_bits)).collect()
+}
+
+/// Whether a bypass says that an output is a filtered input.
+pub fn is_filtered(ty: &PassType, output: &Port) -> bool {
+    ty.bypass.iter().any(|rule| rule.output == output.name)
 }

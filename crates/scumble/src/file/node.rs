@@ -381,7 +381,17 @@ fn syntax_error(
         base + line_start + column
     };
     let span = Span::new(source, offset(error.span.start)..offset(error.span.end));
-    Diagnostic::new(code::SYNTAX, format!("the text is no RON: {}", error.code)).at(&span, "")
+    let message = format!("the text is no RON: {}", error.code);
+    let mistake = Diagnostic::new(code::SYNTAX, message).at(&span, "");
+    let mut lines = text.lines().map(str::trim_start);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with("//"));
+    let begins = |line: &str| line.starts_with(['(', '[', '/']) || line.starts_with("#!");
+    match first.is_some_and(begins) {
+        true => mistake,
+        false => {
+            mistake.help("a graph or an experiment is one `( … )`; `scumble new graph` makes one")
+        }
+    }
 }
 
 #[cfg(test)]
@@ -427,5 +437,9 @@ mod tests {
         let source = SourceFile::new("t.ron", "(\n  a: 1,\n  b: ,\n)");
         let error = Node::of_file(&source).unwrap_err();
         assert!(error.to_string().contains("--> t.ron:3:"), "{error}");
+        for other in ["", "# A title\n\n(or so)"] {
+            let error = Node::of_file(&SourceFile::new("t.md", other)).unwrap_err();
+            assert!(error.to_string().contains("is one `( … )`"), "{error}");
+        }
     }
 }

@@ -24,7 +24,8 @@
 //!   of the registry or `any`, `RESOLUTION` is `full`, `grid` or `any`. A binding called `out_NAME` is an
 //!   output. Before the `;`, after commas, an input may be `optional`, have a `source NAME`, and say what
 //!   a read of the previous frame gets when there is none: `first skip`, `first copy NAME` (of another
-//!   input), `first VALUE`, `first (R, G, B, A)`. An output may be `precise` or `precise if kept`.
+//!   input), `first VALUE`, `first (R, G, B, A)`. An output may be `precise`, `precise if kept`, and
+//!   `alters` where its values are others than the input's even for a constant image.
 //! - `// DEFAULT in MIN..MAX, UNIT; what it is` beside a member of `Params` makes it a parameter;
 //!   range, unit and text may be left out. `true` and `false` make a `u32` a truth value,
 //!   `// NAME of NAME | NAME; what it is` makes it a choice: the position in the list, from 0. Angles

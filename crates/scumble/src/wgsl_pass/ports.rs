@@ -10,7 +10,8 @@ use crate::registry::Registry;
 pub(super) const PORT_HELP: &str = "write `// port NAME: SIGNAL, full|grid|any; what it is` above its binding, an output's called `out_NAME`";
 const INPUT_HELP: &str = "before the `;` an input may be `optional`, have a `source NAME`, and `first skip`, `first copy NAME` or \
      `first VALUE` for reads of the previous frame";
-const OUTPUT_HELP: &str = "before the `;` an output may be `precise` or `precise if kept`";
+const OUTPUT_HELP: &str =
+    "before the `;` an output may be `alters`, `precise` or `precise if kept`";
 
 /// Inputs and outputs, each in the order of the file.
 pub(super) fn ports(
@@ -84,6 +85,7 @@ fn port(comment: &Text<'_>, output: bool, registry: &Registry) -> Result<Port, M
                     return refused(format!("`{}` is no rule for the first frame", rule.trim()));
                 }
             },
+            (true, "alters", _) => port.alters(),
             (true, "precise", _) => port.precise(),
             (true, "precise if kept", _) => port.precise_if_kept(),
             (true, other, _) => return refused(format!("an output cannot be `{other}`")),
