@@ -4,8 +4,11 @@ use crate::panel::{Asked, panel};
 use crate::screen::panels;
 use crate::view::View;
 use egui::{Align, CentralPanel, Color32, ComboBox, Frame, Layout, Panel, RichText, ScrollArea};
-use egui::{Sense, TextEdit, TextureId, Ui};
+use egui::{Label, Sense, TextEdit, TextStyle, TextureId, Ui};
 use std::time::Instant;
+
+/// Marks further to the right than this many letters may be cut off from their place where their line is wrapped.
+const MARKS: usize = 50;
 
 /// Draws everything, and does what is asked for.
 pub fn show(ui: &mut Ui, view: &mut View<'_>, images: [Option<TextureId>; 2], now: Instant) {
@@ -67,9 +70,11 @@ fn controls(ui: &mut Ui, view: &mut View<'_>) {
         if picture.clicked() {
             view.screenshot();
         }
-        let hide = ui.button("hide").on_hover_text("H: the image alone");
+        let hide = ui
+            .button("hide")
+            .on_hover_text("H: the image alone; H again shows the panels");
         if hide.clicked() {
-            view.panels = false;
+            view.toggle_panels();
         }
     });
 }
@@ -106,6 +111,13 @@ fn camera(ui: &mut Ui, view: &mut View<'_>) {
 
 /// The passes and their parameters, and where changes are saved.
 fn graph(ui: &mut Ui, view: &mut View<'_>) {
+    if view.screen.other().is_some() {
+        let [left, right] = view.screen.names(&view.running);
+        ui.label(RichText::new(left).strong())
+            .on_hover_text(format!("its passes are here, and it is saved; passes of {right} are bypassed in its drawn graph: G"));
+        ui.weak("the graph on the left");
+        ui.separator();
+    }
     Panel::bottom("save").show(ui, |ui| save(ui, view));
     let mut asked = Vec::new();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -157,11 +169,27 @@ fn status(ui: &mut Ui, view: &View<'_>) {
         } else if view.running.problem().is_some() {
             ui.colored_label(Color32::LIGHT_RED, "the last good graph runs");
         } else {
-            ui.label(format!("{} reloads", view.running.swaps()));
+            ui.label(reloads(view.running.swaps()));
         }
         let right = Layout::right_to_left(Align::Center);
-        ui.with_layout(right, |ui| ui.weak(&view.message));
+        ui.with_layout(right, |ui| {
+            let message = &view.message;
+            let text = RichText::new(message.line()).color(match message.wrong {
+                true => Color32::LIGHT_RED,
+                false => ui.visuals().weak_text_color(),
+            });
+            // One line whatever is said: another height would be another size of the image.
+            let line = Label::new(text).truncate().show_tooltip_when_elided(false);
+            ui.add(line).on_hover_text(&message.text);
+        });
     });
+}
+
+fn reloads(count: u32) -> String {
+    match count {
+        1 => "1 reload".into(),
+        count => format!("{count} reloads"),
+    }
 }
 
 /// The image, the camera's mouse, and mistakes over it.
@@ -187,6 +215,20 @@ fn picture(ui: &mut Ui, view: &mut View<'_>, images: [Option<TextureId>; 2], now
             .text(at, egui::Align2::CENTER_CENTER, text, font, Color32::GRAY);
     }
     mistakes(ui, view, area);
+    if !view.panels && view.message.is_news(now) {
+        news(ui, &view.message.line(), area);
+    }
+}
+
+/// What was done, over the image where the status line is hidden.
+fn news(ui: &Ui, text: &str, area: egui::Rect) {
+    let (painter, font) = (ui.painter(), egui::FontId::proportional(14.0));
+    let width = (area.width() - 40.0).max(0.0);
+    let letters = painter.layout(text.to_owned(), font, Color32::WHITE, width);
+    let at = area.center_bottom() - egui::vec2(0.0, 12.0);
+    let place = egui::Align2::CENTER_BOTTOM.anchor_size(at, letters.size());
+    painter.rect_filled(place.expand(5.0), 3.0, Color32::from_black_alpha(190));
+    painter.galley(place.min, letters, Color32::WHITE);
 }
 
 /// What is wrong with the files as they are, with excerpts, and what was lost of the window's changes.
@@ -215,14 +257,60 @@ fn mistakes(ui: &mut Ui, view: &View<'_>, area: egui::Rect) {
                 .min_scrolled_height(room.y)
                 .min_scrolled_width(room.x);
             scroll.show(ui, |ui| {
-                for note in notes.clone() {
-                    ui.label(RichText::new(note).color(Color32::WHITE));
-                }
-                for problem in problems.clone() {
-                    let text = RichText::new(problem).monospace().color(Color32::WHITE);
-                    ui.add(egui::Label::new(text).extend());
+                ui.spacing_mut().item_spacing.y = 0.0;
+                let notes = notes.clone().map(|note| (note.as_str(), TextStyle::Body));
+                let lines = problems.clone().flat_map(str::lines);
+                let lines = lines.map(|line| (line, TextStyle::Monospace));
+                for (line, style) in notes.chain(lines) {
+                    // An excerpt that needs more room than there is makes none for the lines after it.
+                    let width = match is_excerpt(line) {
+                        true => f32::INFINITY,
+                        false => room.x,
+                    };
+                    let (text, font) = (line.to_owned(), style.resolve(ui.style()));
+                    let letters = ui.painter().layout(text, font, Color32::WHITE, width);
+                    ui.label(letters);
                 }
             });
         });
     });
+}
+
+/// Whether a line of a mistake shows a file, and so stands as it is: marks are below what they mark. What is said after
+/// the marks may go on below them.
+fn is_excerpt(line: &str) -> bool {
+    let rest = line.trim_start_matches(|c: char| c == ' ' || c.is_ascii_digit());
+    let Some(rest) = rest.strip_prefix(['|', '│']) else {
+        return false;
+    };
+    let has_marks = rest.trim_start().starts_with('^');
+    !has_marks || line.rfind('^') > Some(MARKS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_wrap_and_lines_of_files_do_not() {
+        let far = format!("   | {}^^ here", " ".repeat(MARKS));
+        for line in ["12 | a: 1 ^ 2,", "3 │ let x = 1;", &far] {
+            assert!(is_excerpt(line), "{line}");
+        }
+        let words = [
+            "E012: no pass `a` | b",
+            "  --> graph.ron:1:2",
+            "",
+            "  help: 12 is less",
+        ];
+        for line in words.into_iter().chain(["   |    ^^^ what is wrong here"]) {
+            assert!(!is_excerpt(line), "{line}");
+        }
+    }
+
+    #[test]
+    fn one_is_one() {
+        let texts = [0, 1, 2].map(reloads);
+        assert_eq!(texts, ["0 reloads", "1 reload", "2 reloads"]);
+    }
 }

@@ -3,12 +3,14 @@
 use crate::clock::Clock;
 use crate::error::ViewError;
 use crate::fly::{Fly, Held};
+use crate::message::Message;
 use crate::options::{Options, Start};
 use crate::running::Running;
 use crate::save::{self, SaveError};
 use crate::screen::Screen;
 use crate::screenshot::screenshot;
 use crate::stage::Stage;
+use crate::written::{Written, same_file};
 use scumble::{
     Camera, Diagnostics, Edits, FrameInput, GraphFile, Registry, Resolved, Source, resolve_text,
 };
@@ -45,8 +47,9 @@ pub struct View<'r> {
     /// Where a variant is saved.
     pub variant: String,
     /// What was done last, for the status line.
-    pub message: String,
+    pub message: Message,
     registry: &'r Registry,
+    written: Written,
     cut: bool,
     size: Option<([u32; 2], Instant)>,
     last: Option<Instant>,
@@ -111,8 +114,9 @@ impl<'r> View<'r> {
             scale,
             panels: true,
             variant: variant.display().to_string(),
-            message: String::new(),
+            message: Message::default(),
             registry,
+            written: Written::default(),
             cut: false,
             size: None,
             last: None,
@@ -205,7 +209,16 @@ impl<'r> View<'r> {
     /// Starts every history anew in the next frame.
     pub fn restart(&mut self) {
         self.cut = true;
-        self.message = "every history starts anew".into();
+        self.message = Message::done("every history starts anew");
+    }
+
+    /// Hides the panels, and says how they come back; or shows them.
+    pub fn toggle_panels(&mut self) {
+        self.panels = !self.panels;
+        self.message = match self.panels {
+            true => Message::default(),
+            false => Message::done("H shows the panels again"),
+        };
     }
 
     /// Goes to one of the scene's cameras, and follows it.
@@ -221,36 +234,42 @@ impl<'r> View<'r> {
         let stem = self.running.path().file_stem().unwrap_or_default();
         let name = stem.to_string_lossy().into_owned();
         let pipeline = self.running.pipeline();
-        self.message = match screenshot(&self.stage.gpu, pipeline, Path::new(""), &name) {
-            Ok(files) => written(&files),
-            Err(error) => error.to_string(),
-        };
+        let files = screenshot(&self.stage.gpu, pipeline, Path::new(""), &name);
+        self.message = Message::of_files(files);
     }
 
-    /// Writes what differs from the graph file, the command line's changes too, as a graph that extends it.
+    /// Writes what differs from the graph file, the command line's changes too, as a graph that extends it. A file that is
+    /// there stays as it is, unless this window wrote it.
     pub fn save_variant(&mut self) {
         let path = PathBuf::from(&self.variant);
+        let saved = self.try_save_variant(&path);
+        self.message = Message::of_files(saved.map(|()| vec![path]));
+    }
+
+    fn try_save_variant(&mut self, path: &Path) -> Result<(), NotSaved> {
         let running = &self.running;
-        let text = save::variant(running.path(), &path, running.base(), running.changes());
-        self.message = if path.exists() && same_file(&path, running.path()) {
-            "a variant cannot stand in the file that it extends".into()
-        } else {
-            match self
-                .as_it_runs(&path, &text)
-                .and_then(|()| Ok(write_atomic(&path, text.as_bytes())?))
-            {
-                Ok(()) => written(&[path]),
-                Err(error) => error.to_string(),
-            }
-        };
+        if same_file(path, running.path()) {
+            return Err(NotSaved::Itself);
+        }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        if !folder.as_os_str().is_empty() && !folder.is_dir() {
+            return Err(NotSaved::NoFolder(folder.to_owned()));
+        }
+        if !self.written.may_write(path) {
+            return Err(NotSaved::IsThere(path.to_owned()));
+        }
+        let text = save::variant(running.path(), path, running.base(), running.changes());
+        self.as_it_runs(path, &text)?;
+        write_atomic(path, text.as_bytes())?;
+        self.written.add(path, text);
+        Ok(())
     }
 
     /// Writes the window's changes into the graph file.
     pub fn save_graph(&mut self) {
-        self.message = match self.try_save_graph() {
-            Ok(()) => written(&[self.running.path().to_owned()]),
-            Err(error) => error.to_string(),
-        };
+        let saved = self.try_save_graph();
+        let path = self.running.path().to_owned();
+        self.message = Message::of_files(saved.map(|()| vec![path]));
     }
 
     fn try_save_graph(&self) -> Result<(), NotSaved> {
@@ -294,26 +313,17 @@ fn is_same(a: &Resolved, b: &Resolved) -> bool {
         && wires(a) == wires(b)
 }
 
-fn written(files: &[PathBuf]) -> String {
-    let names: Vec<_> = files
-        .iter()
-        .map(|file| file.display().to_string())
-        .collect();
-    format!("wrote {}", names.join(", "))
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    match (std::fs::canonicalize(a), std::fs::canonicalize(b)) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
-    }
-}
-
 /// Why nothing was saved; no file was touched.
 #[derive(Debug, thiserror::Error)]
 enum NotSaved {
     #[error(transparent)]
     Misplaced(#[from] SaveError),
+    #[error("a variant cannot stand in the file that it extends")]
+    Itself,
+    #[error("there is no folder `{}`", .0.display())]
+    NoFolder(PathBuf),
+    #[error("`{}` is there already, and stays as it is: choose another name", .0.display())]
+    IsThere(PathBuf),
     #[error("the graph file has mistakes: mend it first")]
     Broken,
     #[error("what would be saved is no graph: {0}")]

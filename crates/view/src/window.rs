@@ -190,7 +190,7 @@ impl<'r> Open<'r> {
             KeyCode::KeyR => view.restart(),
             KeyCode::KeyP => view.screenshot(),
             KeyCode::KeyG => view.screen.wanted.drawn = !view.screen.wanted.drawn,
-            KeyCode::KeyH => view.panels = !view.panels,
+            KeyCode::KeyH => view.toggle_panels(),
             KeyCode::Home => view.go_to(view.camera),
             _ => {}
         }

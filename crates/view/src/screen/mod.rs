@@ -63,6 +63,8 @@ pub struct Screen<'r> {
     which: usize,
     /// What the drawing was made of: the graph, its reloads, its bypasses.
     drawing: Option<(usize, u32, Vec<bool>)>,
+    /// Width and height of the rows below the picture.
+    rows: [f32; 2],
 }
 
 impl<'r> Screen<'r> {
@@ -104,6 +106,7 @@ impl<'r> Screen<'r> {
             canvas: Canvas::default(),
             which: 0,
             drawing: None,
+            rows: [0.0; 2],
         })
     }
 

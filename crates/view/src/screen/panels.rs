@@ -5,7 +5,8 @@ use crate::display::{Channels, Look, Range, components};
 use crate::drawing::Action;
 use crate::running::Running;
 use crate::view::View;
-use egui::{Color32, ComboBox, DragValue, Panel, Pos2, Rect, Slider, TextureId, Ui, pos2};
+use egui::{Color32, ComboBox, DragValue, Label, Panel, Pos2, Rect, RichText, Slider};
+use egui::{TextureId, Ui, pos2};
 use scumble_metrics::ColorMap;
 use std::path::Path;
 
@@ -16,10 +17,17 @@ pub(crate) fn below(ui: &mut Ui, view: &mut View<'_>) {
         panel.show(ui, |ui| graph(ui, view));
     }
     Panel::bottom("look").show(ui, |ui| {
-        // Rows of one height whatever stands in them: another height would be another size of the image.
-        ui.horizontal(|ui| look(ui, view));
-        ui.horizontal(|ui| numbers(ui, view));
+        // What wraps in a narrow window keeps the room that it once took: another height would be another size of the image.
+        let width = ui.available_width();
+        let height = match view.screen.rows {
+            [known, height] if known == width => height,
+            _ => 0.0,
+        };
+        ui.set_min_height(height);
+        ui.horizontal_wrapped(|ui| look(ui, view));
+        ui.horizontal_wrapped(|ui| numbers(ui, view));
         ui.horizontal(|ui| values(ui, &view.screen));
+        view.screen.rows = [width, ui.min_rect().height()];
     });
 }
 
@@ -58,11 +66,13 @@ fn look(ui: &mut Ui, view: &mut View<'_>) {
         }
     }
     if kind.is_light() {
+        room(ui, 190.0);
         let exposure = Slider::new(&mut wanted.settings.exposure, -10.0..=10.0);
         ui.add(exposure.suffix(" EV").step_by(0.1))
             .on_hover_text("light is multiplied by 2 to this");
     }
     if kind != Look::Mask {
+        room(ui, 90.0);
         colours(ui, wanted);
     }
     let false_colour = wanted.settings.colours.is_some();
@@ -72,6 +82,14 @@ fn look(ui: &mut Ui, view: &mut View<'_>) {
     }
     ui.checkbox(&mut wanted.settings.highlight, "faults")
         .on_hover_text("magenta where a value is infinite or NaN, blue where one is negative that should not be");
+}
+
+/// Begins a new row for a widget of this width where the present one has less left: those that are made of several do not
+/// wrap by themselves.
+fn room(ui: &mut Ui, width: f32) {
+    if ui.available_size_before_wrap().x < width {
+        ui.end_row();
+    }
 }
 
 fn colours(ui: &mut Ui, wanted: &mut Wanted) {
@@ -111,9 +129,13 @@ fn range(ui: &mut Ui, wanted: &mut Wanted, measured: Option<[f32; 2]>) {
     };
 }
 
-/// The time that frames should take, and what the tracers spend for it.
+/// How far two graphs are apart, the time that frames should take, and what the tracers spend for it.
 fn numbers(ui: &mut Ui, view: &mut View<'_>) {
     let screen = &mut view.screen;
+    if screen.other.is_some() {
+        distances(ui, screen);
+        ui.separator();
+    }
     let on = ui.checkbox(&mut screen.wanted.budget, "budget");
     let on = on.on_hover_text("every tracer spends as much as makes a frame take this long");
     if on.changed() && !screen.wanted.budget {
@@ -132,24 +154,26 @@ fn numbers(ui: &mut Ui, view: &mut View<'_>) {
     }
 }
 
-/// What is measured of the port: how far two graphs are apart, the value under the cursor, faults.
-fn values(ui: &mut Ui, screen: &Screen<'_>) {
-    if let Some(errors) = screen.errors() {
-        let number = |name: &str, value: &Result<f64, String>| match value {
-            Ok(value) if *value < 1e3 => format!("{name} {value:.4}"),
-            Ok(value) => format!("{name} {value:.2e}"),
-            Err(why) => format!("{name}: {why}"),
-        };
-        let text = [
-            number("relMSE", &errors.relmse),
-            number("FLIP", &errors.flip),
-        ];
-        let hint = "of the left image, the right one being the reference: relMSE of the linear values, FLIP of the pictures";
-        ui.monospace(text.join("  ")).on_hover_text(hint);
-        ui.separator();
+/// How far two graphs are apart; it stands there from the start, so that nothing moves once it is measured.
+fn distances(ui: &mut Ui, screen: &Screen<'_>) {
+    let number = |name: &str, value: Option<&Result<f64, String>>| match value {
+        None => format!("{name} ......"),
+        Some(Ok(value)) if *value < 1e3 => format!("{name} {value:.4}"),
+        Some(Ok(value)) => format!("{name} {value:.2e}"),
+        Some(Err(why)) => format!("{name}: {why}"),
+    };
+    let errors = screen.errors();
+    let hint = "of the left image, the right one being the reference: relMSE of the linear values, FLIP of the pictures";
+    for text in [
+        number("relMSE", errors.map(|errors| &errors.relmse)),
+        number("FLIP", errors.map(|errors| &errors.flip)),
+    ] {
+        ui.monospace(text).on_hover_text(hint);
     }
-    let text = screen.cursor.text();
-    ui.monospace(if text.is_empty() { "-" } else { &text });
+}
+
+/// What is measured of the port in one line: faults, and the value under the cursor in what is left of it.
+fn values(ui: &mut Ui, screen: &Screen<'_>) {
     if let Some(found) = screen.side.statistics() {
         if found.not_finite > 0 {
             let text = format!("{} texels are not finite", found.not_finite);
@@ -160,13 +184,16 @@ fn values(ui: &mut Ui, screen: &Screen<'_>) {
             ui.colored_label(Color32::from_rgb(90, 160, 255), text);
         }
     }
+    let text = screen.cursor.text();
+    let text = if text.is_empty() { "-" } else { &text };
+    ui.add(Label::new(RichText::new(text).monospace()).truncate());
 }
 
 /// The drawn graph.
 fn graph(ui: &mut Ui, view: &mut View<'_>) {
     let screen = &mut view.screen;
     let names = screen.names(&view.running);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if screen.other.is_some() {
             for (which, name) in names.iter().enumerate() {
                 ui.selectable_value(&mut screen.which, which, name);
@@ -222,7 +249,7 @@ impl Screen<'_> {
     }
 
     /// What the graphs are called.
-    fn names(&self, running: &Running<'_>) -> [String; 2] {
+    pub(crate) fn names(&self, running: &Running<'_>) -> [String; 2] {
         let stem = |path: &Path| {
             let stem = path.file_stem().unwrap_or_default();
             stem.to_string_lossy().into_owned()

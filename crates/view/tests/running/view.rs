@@ -1,24 +1,15 @@
 //! What a window does, without one: frames, sizes, files saved, a device that goes away.
 
-use crate::rig::{Folder, GRAPH, gpu, registry};
+use crate::rig::{Folder, GRAPH, gpu, options, registry};
 use scumble::{Edits, Registry, Value, resolve};
 use scumble_lab::Gpu;
-use scumble_view::{Options, Start, View, ViewError};
+use scumble_view::{Options, View, ViewError};
 use std::time::{Duration, Instant};
 
 fn view<'r>(folder: &Folder, registry: &'r Registry, gpu: Gpu, base: Edits) -> View<'r> {
     let options = Options {
-        graph: folder.path("graph.ron"),
-        compare: None,
-        budget_ms: None,
         edits: base,
-        scene: None,
-        camera: Start::Number(0),
-        size: [8, 6],
-        scale: 2,
-        shaders: None,
-        seed: 0,
-        adapter: None,
+        ..options(folder, [8, 6])
     };
     View::new(options, registry, gpu).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -71,7 +62,11 @@ fn a_variant_holds_what_the_window_and_the_command_line_changed() {
     std::fs::create_dir(folder.path("deeper")).unwrap();
     view.variant = folder.path("deeper/mine.ron").display().to_string();
     view.save_variant();
-    assert!(view.message.starts_with("wrote "), "{}", view.message);
+    assert!(
+        view.message.text.starts_with("wrote "),
+        "{}",
+        view.message.text
+    );
     let text = read(&folder, "deeper/mine.ron");
     assert!(text.contains("extends: \"../graph.ron\""), "{text}");
     let found = plain(&folder, "deeper/mine.ron", &registry);
@@ -83,7 +78,48 @@ fn a_variant_holds_what_the_window_and_the_command_line_changed() {
     view.variant = folder.path("graph.ron").display().to_string();
     view.save_variant();
     assert_eq!(read(&folder, "graph.ron"), GRAPH, "no graph extends itself");
-    assert!(view.message.contains("cannot stand"), "{}", view.message);
+    assert!(
+        view.message.text.contains("cannot stand"),
+        "{}",
+        view.message.text
+    );
+}
+
+#[test]
+fn a_variant_takes_no_file_s_place_but_its_own() {
+    let Some(gpu) = gpu() else { return };
+    let (folder, registry) = (Folder::new(), registry());
+    let mut view = view(&folder, &registry, gpu, Edits::default());
+    let save = |view: &mut View<'_>, name: &str, gain: f64| {
+        let host = &view.stage.host;
+        view.running.set("tint", "gain", Value::Float(gain), host);
+        view.variant = folder.path(name).display().to_string();
+        view.save_variant();
+        let wrong = view.message.wrong;
+        (wrong, view.message.text.clone())
+    };
+    folder.write("victim.ron", "precious");
+    let there = |name: &str| {
+        let path = folder.path(name);
+        let path = path.display();
+        let text = format!("`{path}` is there already, and stays as it is: choose another name");
+        (true, text)
+    };
+    assert_eq!(save(&mut view, "victim.ron", 2.0), there("victim.ron"));
+    assert_eq!(read(&folder, "victim.ron"), "precious");
+    // What this window wrote it writes again, until another has it.
+    for gain in [2.0, 3.0] {
+        let (wrong, text) = save(&mut view, "mine.ron", gain);
+        assert!(!wrong && text.starts_with("wrote "), "{text}");
+        let found = plain(&folder, "mine.ron", &registry);
+        assert!(found.contains(&format!("gain = {gain:?} EV")), "{found}");
+    }
+    folder.write("mine.ron", "edited");
+    assert_eq!(save(&mut view, "mine.ron", 4.0), there("mine.ron"));
+    assert_eq!(read(&folder, "mine.ron"), "edited");
+    let sub = folder.path("sub").display().to_string();
+    let expected = (true, format!("there is no folder `{sub}`"));
+    assert_eq!(save(&mut view, "sub/new.ron", 4.0), expected);
 }
 
 #[test]
@@ -96,12 +132,21 @@ fn the_graph_file_takes_the_changes_and_keeps_its_comments() {
     view.save_graph();
     let with = "\"./tint.wgsl\", with: (tint: (1.0, 0.5, 0.25)), in";
     let expected = GRAPH.replace("\"./tint.wgsl\", in", with);
-    assert_eq!(read(&folder, "graph.ron"), expected, "{}", view.message);
+    assert_eq!(
+        read(&folder, "graph.ron"),
+        expected,
+        "{}",
+        view.message.text
+    );
     // A bypass has no place in it.
     view.running.set_bypass("tint", true, &view.stage.host);
     view.frame(Instant::now()).unwrap();
     view.save_graph();
-    assert!(view.message.contains("save a variant"), "{}", view.message);
+    assert!(
+        view.message.text.contains("save a variant"),
+        "{}",
+        view.message.text
+    );
     assert_eq!(read(&folder, "graph.ron"), expected);
     view.variant = folder.path("bare.ron").display().to_string();
     view.save_variant();
