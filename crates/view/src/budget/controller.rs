@@ -38,7 +38,7 @@ struct Tried {
     milliseconds: f64,
 }
 
-/// Steers paths per pixel to a frame time. Each budget is judged by the median of [`WINDOW`] frames; between one that
+/// Steers paths per pixel to a frame time. Each budget is judged by the median of 9 frames; between one that
 /// was too fast and one that was too slow the next is found by false position, else in proportion, which falls short
 /// of the target where a frame has a fixed cost, and never beyond it. What was tried is remembered, and scaled when the
 /// time of the present budget changes, so that a scene that grows dearer is followed and a budget that was too slow is
