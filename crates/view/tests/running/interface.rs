@@ -1,6 +1,7 @@
 //! The whole interface without a window: where its words stand.
 
-use crate::rig::{Folder, GRAPH, gpu, options, registry};
+use crate::rig::{Folder, GRAPH, gpu, registry};
+use crate::view::options;
 use egui::epaint::{ClippedShape, Shape};
 use egui::{Pos2, RawInput, Rect};
 use scumble_view::{Message, Options, View, interface};

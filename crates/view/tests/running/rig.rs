@@ -5,7 +5,7 @@ use scumble::{
     wgsl_pass,
 };
 use scumble_lab::{DeviceError, Gpu, device};
-use scumble_view::{INTERVAL, Options, Running, Stage, Start};
+use scumble_view::{INTERVAL, Running, Stage};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -102,23 +102,6 @@ impl Folder {
 
     pub fn write(&self, name: &str, text: &str) {
         std::fs::write(self.path(name), text).unwrap();
-    }
-}
-
-/// A window of this size on the folder's graph, two pixels a side for each of the image.
-pub fn options(folder: &Folder, size: [u32; 2]) -> Options {
-    Options {
-        graph: folder.path("graph.ron"),
-        compare: None,
-        budget_ms: None,
-        edits: Edits::default(),
-        scene: None,
-        camera: Start::Number(0),
-        size,
-        scale: 2,
-        shaders: None,
-        seed: 0,
-        adapter: None,
     }
 }
 

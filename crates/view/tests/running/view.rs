@@ -1,10 +1,27 @@
 //! What a window does, without one: frames, sizes, files saved, a device that goes away.
 
-use crate::rig::{Folder, GRAPH, gpu, options, registry};
+use crate::rig::{Folder, GRAPH, gpu, registry};
 use scumble::{Edits, Registry, Value, resolve};
 use scumble_lab::Gpu;
-use scumble_view::{Options, View, ViewError};
+use scumble_view::{Options, Start, View, ViewError};
 use std::time::{Duration, Instant};
+
+/// A window of this size on the folder's graph, two pixels a side for each of the image.
+pub fn options(folder: &Folder, size: [u32; 2]) -> Options {
+    Options {
+        graph: folder.path("graph.ron"),
+        compare: None,
+        budget_ms: None,
+        edits: Edits::default(),
+        scene: None,
+        camera: Start::Number(0),
+        size,
+        scale: 2,
+        shaders: None,
+        seed: 0,
+        adapter: None,
+    }
+}
 
 fn view<'r>(folder: &Folder, registry: &'r Registry, gpu: Gpu, base: Edits) -> View<'r> {
     let options = Options {
