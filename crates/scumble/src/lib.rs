@@ -12,6 +12,7 @@ mod frame_input;
 mod frame_state;
 mod host;
 mod kernel_plan;
+pub mod octahedral;
 pub mod params;
 mod pass;
 mod pass_frame;

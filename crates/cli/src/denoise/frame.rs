@@ -8,7 +8,7 @@ use super::reader::Reader;
 use crate::args::DenoiseArgs;
 use crate::failure::Failure;
 use glam::{Vec3, Vec4};
-use scumble::{Camera, GraphInput, signal};
+use scumble::{Camera, GraphInput, octahedral, signal};
 use scumble_metrics::read_channels;
 use std::collections::BTreeMap;
 
@@ -270,7 +270,7 @@ impl Frames<'_> {
                 match role(input.signal) {
                     Some(Role::Normal) => {
                         let n = Vec3::from_slice(texel);
-                        texel[0] = f32::from_bits(meaning::octahedral(n));
+                        texel[0] = f32::from_bits(octahedral::encode(n));
                     }
                     Some(Role::Id) => {
                         // 0 is the sky; a renderer's first object is 0, too.

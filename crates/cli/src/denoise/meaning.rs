@@ -196,19 +196,6 @@ pub fn camera_motion(p: Vec4, [clip_from_world, previous]: [&Mat4; 2]) -> [f32; 
     (uv(clip_from_world) - uv(previous)).to_array()
 }
 
-/// A unit vector as octahedral 2 x snorm16 (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit
-/// Vectors").
-pub fn octahedral(n: Vec3) -> u32 {
-    let p = Vec2::new(n.x, n.y) / (n.x.abs() + n.y.abs() + n.z.abs());
-    let folded = Vec2::new(
-        (1.0 - p.y.abs()).copysign(p.x),
-        (1.0 - p.x.abs()).copysign(p.y),
-    );
-    let q = if n.z >= 0.0 { p } else { folded };
-    let snorm = |v: f32| u32::from((v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
-    snorm(q.x) | snorm(q.y) << 16
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -353,16 +340,5 @@ mod tests {
         let expected = Vec2::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w);
         assert!((uv - expected).length() < 1e-5);
         assert_eq!(camera_motion(p, [&is, &is]), [0.0, 0.0]);
-    }
-
-    #[test]
-    fn octahedral_axes() {
-        for (axis, word) in [
-            (Vec3::X, 0x0000_7fff),
-            (Vec3::NEG_Y, 0x8001_0000),
-            (Vec3::Z, 0),
-        ] {
-            assert_eq!(octahedral(axis), word, "{axis}");
-        }
     }
 }

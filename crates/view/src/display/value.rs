@@ -1,7 +1,7 @@
 //! The value of one texel, exactly as it is stored.
 
 use super::look::{Look, components};
-use scumble::Signal;
+use scumble::{Signal, octahedral};
 use std::fmt;
 
 /// One component.
@@ -62,7 +62,7 @@ fn meaning(signal: Signal, look: Look, texel: [f32; 4]) -> Option<String> {
         Look::Depth if texel[0] >= 0.5e30 => Some("sky".into()),
         Look::Identity if signal == scumble::signal::SURFACE_ID && word == 0 => Some("sky".into()),
         Look::Normal => {
-            let [x, y, z] = octahedral(word);
+            let [x, y, z] = octahedral::decode(word).to_array();
             Some(format!("x {x:.4}, y {y:.4}, z {z:.4}"))
         }
         Look::Identity => Some(format!("{word:#010x}")),
@@ -72,18 +72,6 @@ fn meaning(signal: Signal, look: Look, texel: [f32; 4]) -> Option<String> {
         }
         _ => None,
     }
-}
-
-/// The unit vector of an octahedral map in 2 x snorm16 (Cigolle et al. 2014, "A Survey of Efficient Representations for
-/// Independent Unit Vectors").
-fn octahedral(word: u32) -> [f32; 3] {
-    let snorm = |bits: u32| (f32::from(bits as u16 as i16) / 32767.0).max(-1.0);
-    let (x, y) = (snorm(word), snorm(word >> 16));
-    let z = 1.0 - x.abs() - y.abs();
-    let fold = (-z).max(0.0);
-    let n = [x - fold.copysign(x), y - fold.copysign(y), z];
-    let length = n.iter().map(|c| c * c).sum::<f32>().sqrt();
-    n.map(|c| c / length)
 }
 
 impl fmt::Display for Component {
