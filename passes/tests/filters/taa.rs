@@ -133,7 +133,7 @@ fn twin(
         let frames = (frames / weight).clamp(1.0, 1024.0);
         let of_frames = |x: [f64; 3], n: f64| {
             // Sums of numbers near 1 that cancel out: f32 holds a thousandth of 1 to 1e-4 of itself, and no less.
-            let cancelled = to_rgb(x, rule).iter().any(|v| v.abs() < 1e-3);
+            let cancelled = rule.ycocg && to_rgb(x, rule).iter().any(|v| v.abs() < 1e-3);
             let [r, g, b, _] = from_space(x, rule);
             (!cancelled).then_some([r, g, b, n])
         };
