@@ -4,10 +4,15 @@ use crate::command::{Done, cargo, root, run};
 use crate::setup;
 use std::process::Command;
 
+/// Whether the plugin is formatted.
+pub fn format() -> Done {
+    run(of_plugin(&["fmt", "--check"]))
+}
+
 /// Checks and tests the plugin, and runs its example.
 pub fn check() -> Done {
     setup::run()?;
-    run(of_plugin(&["fmt", "--check"]))?;
+    format()?;
     run(of_plugin(&["test", ANY_RUST]))?;
     // Where the example is run, its images are written.
     let mut example = of_plugin(&["run", "--quiet", ANY_RUST, "--example", "cornell"]);

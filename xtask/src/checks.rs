@@ -1,5 +1,6 @@
 //! What a change must pass.
 
+use crate::bevy;
 use crate::command::{Done, cargo, failure, output, root, run, scumble, typed};
 use crate::setup;
 use std::io::{BufRead, BufReader};
@@ -12,7 +13,7 @@ type Step = (&'static str, fn() -> Done);
 /// Everything but the demo, each step timed.
 pub fn ci() -> Done {
     let steps: [Step; 6] = [
-        ("format", || run(cargo(&["fmt", "--all", "--check"]))),
+        ("format", format),
         ("lints", lints),
         ("documentation", documentation),
         ("tests", || test(false)),
@@ -27,6 +28,12 @@ pub fn ci() -> Done {
     }
     println!("\nAll passed:\n{}", summary.join("\n"));
     Ok(())
+}
+
+/// The Bevy plugin, too, which is not built here: see `cargo xtask bevy`.
+fn format() -> Done {
+    run(cargo(&["fmt", "--all", "--check"]))?;
+    bevy::format()
 }
 
 fn lints() -> Done {
