@@ -3,7 +3,7 @@
 use crate::args::{EditArgs, ViewArgs};
 use crate::camera::CameraChoice;
 use crate::failure::Failure;
-use crate::{graph, scene};
+use crate::{graph, levers, scene};
 use scumble::{Edits, Pipeline, Registry};
 use scumble_view::{Options, Start};
 use std::path::Path;
@@ -44,6 +44,7 @@ pub fn run(args: &ViewArgs, registry: &Registry) -> Result<(), Failure> {
         size: args.size,
         scale: args.scale,
         seed: args.seed,
+        levers: levers::read()?,
         adapter: args.adapter.adapter.clone(),
     };
     Ok(scumble_view::run(options, registry)?)

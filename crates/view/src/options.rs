@@ -1,5 +1,6 @@
 //! What the window is opened with.
 
+use framegraph::Debug;
 use scumble::{Camera, Edits};
 use scumble_scene::Scene;
 use std::path::PathBuf;
@@ -36,6 +37,8 @@ pub struct Options {
     pub scale: u32,
     /// Seed of all random numbers.
     pub seed: u32,
+    /// Levers of the frame graph, but for `timestamps`: the window times frames when it shows times.
+    pub levers: Debug,
     /// The adapter whose name contains this.
     pub adapter: Option<String>,
 }

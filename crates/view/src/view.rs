@@ -93,6 +93,7 @@ impl<'r> View<'r> {
         let size = options.size.map(|n| (n / scale).max(1));
         let (gpu, host) = (&stage.gpu, &stage.host);
         let mut running = Running::new(registry, &options.graph, &options.edits, gpu, host, size)?;
+        *running.pipeline_mut().debug() = options.levers.clone();
         if let Some(folder) = &options.shaders {
             running.take_shaders(folder, host);
         }

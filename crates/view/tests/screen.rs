@@ -32,6 +32,7 @@ fn options(name: &str) -> Options {
         scale: 1,
         shaders: None,
         seed: 3,
+        levers: framegraph::Debug::default(),
         adapter: None,
     }
 }

@@ -84,6 +84,7 @@ impl<'r> Screen<'r> {
             Some(path) => {
                 let edits = scumble::Edits::default();
                 let mut running = Running::new(registry, path, &edits, gpu, host, size)?;
+                *running.pipeline_mut().debug() = options.levers.clone();
                 if let Some(folder) = &options.shaders {
                     running.take_shaders(folder, host);
                 }

@@ -1,6 +1,7 @@
 //! What a window does, without one: frames, sizes, files saved, a device that goes away.
 
 use crate::rig::{Folder, GRAPH, gpu, registry};
+use framegraph::Debug;
 use scumble::{Edits, Registry, Value, resolve};
 use scumble_lab::Gpu;
 use scumble_view::{Options, Start, View, ViewError};
@@ -19,6 +20,7 @@ pub fn options(folder: &Folder, size: [u32; 2]) -> Options {
         scale: 2,
         shaders: None,
         seed: 0,
+        levers: Debug::default(),
         adapter: None,
     }
 }
@@ -201,4 +203,32 @@ fn a_lost_device_is_one_clear_error() {
     let error = view.frame(Instant::now()).unwrap_err();
     assert!(matches!(error, ViewError::Lost(_)), "{error}");
     assert!(error.to_string().contains("device is lost"), "{error}");
+}
+
+/// Levers of the frame graph hold for every frame, those after a reload, too.
+#[test]
+fn levers_are_pulled() {
+    let Some(gpu) = gpu() else { return };
+    let (folder, registry) = (Folder::new(), registry());
+    let options = Options {
+        levers: Debug {
+            no_reuse: true,
+            ..Debug::default()
+        },
+        ..options(&folder, [8, 6])
+    };
+    let mut view = View::new(options, &registry, gpu).unwrap();
+    let start = Instant::now();
+    let swaps = view.running.swaps();
+    folder.write(
+        "graph.ron",
+        &GRAPH.replace("version: 1,", "version: 1, about: \"edited\","),
+    );
+    let mut at = Duration::ZERO;
+    while view.running.swaps() == swaps && at < Duration::from_secs(60) {
+        view.frame(start + at).unwrap();
+        at += Duration::from_millis(300);
+    }
+    assert!(view.running.swaps() > swaps, "it was reloaded");
+    assert!(view.running.pipeline_mut().debug().no_reuse);
 }
