@@ -3,6 +3,8 @@
 use std::fmt;
 use std::panic::Location;
 
+use crate::handle::Label;
+
 /// Where in the caller's source a call stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Site(pub &'static Location<'static>);
@@ -92,6 +94,8 @@ codes! {
     SwitchedOff = "FG023",
     /// A history is reset after the frame declared it.
     LateReset = "FG024",
+    /// A repeated frame is told what does not fit the frame that was declared, or not told what it needs.
+    Repeat = "FG025",
     /// Warning: a node whose results nobody needs was dropped.
     DeadNode = "FG101",
     /// Warning: a node that runs has an output that nobody reads.
@@ -225,6 +229,45 @@ pub enum EncodeError {
     /// The pool knows it from [`Pool::device_lost_handler`](crate::Pool::device_lost_handler).
     #[error("the device is lost: make the device, the kernels and the pool anew")]
     DeviceLost,
+}
+
+/// Why a frame cannot be repeated: declare it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RepeatError {
+    /// There is none: nothing was encoded yet, the last encoding failed, the last repeat was dropped, or where the
+    /// frame was begun another was begun since.
+    #[error("there is no encoded frame to repeat: declare the frame")]
+    NoFrame,
+    /// The frame has another size.
+    #[error(
+        "the frame of {from:?} texels that would be repeated has {to:?} now: declare the frame"
+    )]
+    Resized {
+        /// Of the frame that was encoded.
+        from: [u32; 2],
+        /// Asked for.
+        to: [u32; 2],
+    },
+    /// A history holds more past frames than it did, as after the first frame, or less.
+    #[error(
+        "the history `{key}` holds {holds} past frames and held {held} when the frame was declared: declare the frame"
+    )]
+    History {
+        /// Its key.
+        key: Label,
+        /// When the frame was declared.
+        held: u32,
+        /// Now.
+        holds: u32,
+    },
+    /// A history was reset or removed since.
+    #[error("the history `{key}` was {how} since the frame was encoded: declare the frame")]
+    Reset {
+        /// Its key.
+        key: Label,
+        /// In what way: reset, why, or removed.
+        how: String,
+    },
 }
 
 /// The candidate nearest to `name`, when one is near enough to be a slip of the pen.

@@ -30,8 +30,8 @@ pub use desc::{
 };
 pub use draw::{NodeInfo, PassInfo, ResourceInfo, ResourceKind, Snapshot, UseInfo};
 pub use encode::Resources;
-pub use error::{Code, EncodeError, GraphError, GraphErrors, Site, Warning};
-pub use graph::{ComputeNode, ForeignNode, FrameGraph, HistoryInfo, RasterNode, Reset};
+pub use error::{Code, EncodeError, GraphError, GraphErrors, RepeatError, Site, Warning};
+pub use graph::{ComputeNode, ForeignNode, FrameGraph, HistoryInfo, RasterNode, Repeat, Reset};
 pub use handle::{Buffer, Label, Subresources, Texture, View};
 pub use kernel::{ComputeKernel, KernelDesc, KernelError, RasterKernel, RasterKernelDesc};
 pub use plan::{Plan, Step, StepKind, Transition};

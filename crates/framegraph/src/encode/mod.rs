@@ -33,6 +33,19 @@ impl<'f> Plan<'f> {
         encoder: &mut wgpu::CommandEncoder,
         pool: &mut Pool,
     ) -> Result<(), EncodeError> {
+        let result = self.encode_into(encoder, pool);
+        self.graph.encoded = result.is_ok();
+        if result.is_err() {
+            self.graph.shared.forget();
+        }
+        result
+    }
+
+    fn encode_into(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        pool: &mut Pool,
+    ) -> Result<(), EncodeError> {
         if self.graph.pool != pool.id {
             return Err(EncodeError::OtherPool);
         }
@@ -45,7 +58,7 @@ impl<'f> Plan<'f> {
         pool.begin_encode();
         pool.upload.write(&pool.device, encoder, &self.graph.upload);
         let mut real = pool.take_realized(&self.schedule);
-        real.update(&self, encoder, pool);
+        real.update(self, encoder, pool);
         self.record(encoder, pool, &real);
         for export in &self.graph.exports {
             let physical = real.physical[export.raw.resource as usize].clone();

@@ -40,6 +40,18 @@ impl FrameGraph<'_> {
         );
     }
 
+    /// Reports more workgroups than the device dispatches.
+    #[inline(always)]
+    pub(crate) fn check_workgroups(&mut self, node: u32, workgroups: [u32; 3], site: Site) {
+        let max = self.caps.limits.max_compute_workgroups_per_dimension;
+        if workgroups.iter().any(|&n| n > max) {
+            let label = &self.nodes[node as usize].label;
+            let message = format!("`{label}` dispatches {workgroups:?} workgroups");
+            let help = format!("this device dispatches at most {max} in each dimension");
+            self.fail(Code::Dispatch, message, site, help);
+        }
+    }
+
     /// The range of a view; reports one that lies outside.
     #[inline(always)]
     pub(crate) fn resolve_view(

@@ -468,6 +468,6 @@ impl FrameGraph<'_> {
     }
 }
 
-fn n_range(range: &std::ops::Range<u32>) -> std::ops::Range<usize> {
+pub(super) fn n_range(range: &std::ops::Range<u32>) -> std::ops::Range<usize> {
     range.start as usize..range.end as usize
 }

@@ -16,6 +16,11 @@ impl<T> List<T> {
         (self.was, self.len) = (self.len, 0);
     }
 
+    /// Takes all that it holds as old, and as taken again.
+    pub fn repeat(&mut self) {
+        self.was = self.len;
+    }
+
     /// What stood before where the next item comes.
     #[inline(always)]
     pub fn old(&mut self) -> Option<&mut T> {

@@ -10,8 +10,10 @@ mod foreign;
 mod history;
 mod key;
 mod list;
+mod names;
 mod nodes;
 mod outside;
+mod repeat;
 mod switch;
 mod transfer;
 
@@ -19,17 +21,18 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::panic::Location;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 pub use foreign::ForeignNode;
 pub use history::{HistoryInfo, Reset};
 pub use nodes::{ComputeNode, RasterNode};
+pub use repeat::Repeat;
 
 pub(crate) use arena::{Arena, Shared};
 pub(crate) use check::FormatCaps;
 pub(crate) use history::{HistoryStates, HistoryUse, RingState, Shape, age_label};
 use key::Word;
 use list::List;
+use names::Names;
 use switch::StandIn;
 
 use crate::compile::Scratch;
@@ -70,7 +73,9 @@ pub struct FrameGraph<'f> {
     pub(crate) before: u64,
     pub(crate) compiled: u64,
     /// Where this was begun: frames that are begun there are likely to be alike.
-    begun: Site,
+    begun: Option<Site>,
+    /// Whether its plan was encoded.
+    pub(crate) encoded: bool,
     pub(crate) resources: List<Resource>,
     /// For each resource its latest version.
     pub(crate) latest: Vec<u32>,
@@ -101,6 +106,7 @@ pub struct FrameGraph<'f> {
     /// Of the node that is being declared: what stands in for its outputs, and how many names are bound.
     stand_ins: Vec<StandIn>,
     bound: usize,
+    names: Names,
     pub(crate) scratch: Option<Box<Scratch>>,
     pub(crate) errors: Vec<GraphError>,
 }
@@ -295,31 +301,32 @@ pub(crate) fn here() -> Site {
     Site(Location::caller())
 }
 
+/// What a pool gives to a graph, besides an arena.
+pub(crate) struct Given {
+    pub pool: u32,
+    pub caps: Arc<Caps>,
+    pub shared: Arc<Shared>,
+    pub params: FrameParams,
+    pub debug: Debug,
+    pub states: Arc<HistoryStates>,
+}
+
 impl<'f> FrameGraph<'f> {
-    pub(crate) fn new(
-        pool: u32,
-        caps: Arc<Caps>,
-        shared: Arc<Shared>,
-        params: FrameParams,
-        debug: Debug,
-        states: Arc<HistoryStates>,
-        begun: Site,
-    ) -> Self {
-        static NEXT: AtomicU32 = AtomicU32::new(1);
-        let arena = shared.lend(begun);
+    pub(crate) fn new(given: Given, arena: Arena) -> Self {
         FrameGraph {
-            brand: NEXT.fetch_add(1, Ordering::Relaxed),
-            pool,
-            caps,
-            params,
-            debug,
-            states,
-            shared,
+            brand: arena.brand,
+            pool: given.pool,
+            caps: given.caps,
+            params: given.params,
+            debug: given.debug,
+            states: given.states,
+            shared: given.shared,
             words: arena.words,
             same: arena.compiled != 0,
             before: arena.compiled,
             compiled: 0,
-            begun,
+            begun: arena.begun,
+            encoded: false,
             resources: arena.resources,
             latest: arena.latest,
             nodes: arena.nodes,
@@ -331,6 +338,7 @@ impl<'f> FrameGraph<'f> {
             kernels: arena.kernels,
             kernel_at: arena.kernel_at,
             imports: arena.imports,
+            // Whoever calls them again must give them again.
             draws: arena.draws.into_iter().map(|_| None).collect(),
             foreign: arena.foreign.into_iter().map(|_| None).collect(),
             upload: arena.upload,
@@ -341,6 +349,7 @@ impl<'f> FrameGraph<'f> {
             formats: arena.formats,
             stand_ins: arena.stand_ins,
             bound: 0,
+            names: arena.names,
             scratch: arena.scratch,
             errors: Vec::new(),
         }
@@ -525,45 +534,36 @@ impl<'f> FrameGraph<'f> {
 impl Drop for FrameGraph<'_> {
     /// The memory goes back to the pool.
     fn drop(&mut self) {
-        fn emptied<T>(list: &mut Vec<T>) -> Vec<T> {
-            let mut list = std::mem::take(list);
-            list.clear();
-            list
-        }
-        fn old<T>(list: &mut List<T>) -> List<T> {
-            let mut list = std::mem::take(list);
-            list.begin();
-            list
-        }
-        let mut export_keys = std::mem::take(&mut self.export_keys);
-        export_keys.clear();
+        use std::mem::take;
         self.shared.take_back(Arena {
-            begun: Some(self.begun),
+            begun: self.begun,
+            brand: self.brand,
+            size: self.params.size,
             compiled: self.compiled,
-            words: old(&mut self.words),
-            resources: old(&mut self.resources),
-            latest: emptied(&mut self.latest),
-            nodes: old(&mut self.nodes),
-            accesses: old(&mut self.accesses),
-            binds: emptied(&mut self.binds),
-            groups: emptied(&mut self.groups),
-            samplers: emptied(&mut self.samplers),
-            attachments: emptied(&mut self.attachments),
-            kernels: emptied(&mut self.kernels),
-            kernel_at: std::mem::take(&mut self.kernel_at),
-            imports: emptied(&mut self.imports),
-            // Empty, so that nothing but the lifetime changes: the memory stays the same.
-            draws: emptied(&mut self.draws).into_iter().map(|_| None).collect(),
-            foreign: emptied(&mut self.foreign)
-                .into_iter()
-                .map(|_| None)
-                .collect(),
-            upload: emptied(&mut self.upload),
-            exports: emptied(&mut self.exports),
-            export_keys,
-            histories: emptied(&mut self.histories),
-            formats: std::mem::take(&mut self.formats),
-            stand_ins: emptied(&mut self.stand_ins),
+            encoded: self.encoded,
+            empty: false,
+            words: take(&mut self.words),
+            resources: take(&mut self.resources),
+            latest: take(&mut self.latest),
+            nodes: take(&mut self.nodes),
+            accesses: take(&mut self.accesses),
+            binds: take(&mut self.binds),
+            groups: take(&mut self.groups),
+            samplers: take(&mut self.samplers),
+            attachments: take(&mut self.attachments),
+            kernels: take(&mut self.kernels),
+            kernel_at: take(&mut self.kernel_at),
+            imports: take(&mut self.imports),
+            // Nothing but the lifetime changes: the memory stays the same.
+            draws: take(&mut self.draws).into_iter().map(|_| None).collect(),
+            foreign: take(&mut self.foreign).into_iter().map(|_| None).collect(),
+            upload: take(&mut self.upload),
+            exports: take(&mut self.exports),
+            export_keys: take(&mut self.export_keys),
+            histories: take(&mut self.histories),
+            formats: take(&mut self.formats),
+            stand_ins: take(&mut self.stand_ins),
+            names: take(&mut self.names),
             scratch: self.scratch.take(),
         });
     }

@@ -162,13 +162,7 @@ impl ComputeNode<'_, '_> {
     /// Dispatches so many workgroups.
     #[track_caller]
     pub fn dispatch(self, workgroups: [u32; 3]) {
-        let max = self.graph.caps.limits.max_compute_workgroups_per_dimension;
-        if workgroups.iter().any(|&n| n > max) {
-            let label = &self.graph.nodes[self.node as usize].label;
-            let message = format!("`{label}` dispatches {workgroups:?} workgroups");
-            let help = format!("this device dispatches at most {max} in each dimension");
-            self.graph.fail(Code::Dispatch, message, here(), help);
-        }
+        self.graph.check_workgroups(self.node, workgroups, here());
         self.end(Dispatch::Workgroups(workgroups));
     }
 

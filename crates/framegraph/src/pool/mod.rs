@@ -28,7 +28,8 @@ use crate::compile::{PlanCounts, Schedule};
 use crate::debug::Debug;
 use crate::desc::FrameParams;
 use crate::encode::Realized;
-use crate::graph::{Caps, FrameGraph, HistoryStates, Shared, here};
+use crate::error::RepeatError;
+use crate::graph::{Caps, FrameGraph, Given, HistoryStates, Repeat, Shared, here};
 use crate::handle::Label;
 use crate::{HistoryInfo, Reset};
 
@@ -112,15 +113,96 @@ impl Pool {
     /// Begins a frame. It costs least where frames that are begun at one place of the program are alike.
     #[track_caller]
     pub fn frame<'f>(&self, params: FrameParams) -> FrameGraph<'f> {
-        FrameGraph::new(
-            self.id,
-            self.caps.clone(),
-            self.shared.clone(),
+        FrameGraph::new(self.give(params), self.shared.lend(here()))
+    }
+
+    fn give(&self, params: FrameParams) -> Given {
+        Given {
+            pool: self.id,
+            caps: self.caps.clone(),
+            shared: self.shared.clone(),
             params,
-            self.debug.clone(),
-            self.states.clone(),
-            here(),
-        )
+            debug: self.debug.clone(),
+            states: self.states.clone(),
+        }
+    }
+
+    /// Begins the frame that was encoded last once more, without declaring it: the same nodes in the same order, with
+    /// everything that they were given, but for what [`Repeat`] is told. Of what the CPU does for a frame that leaves
+    /// the recording, so that a static graph costs about what wgpu does.
+    ///
+    /// Histories advance, results are exported under their keys, and the levers act, all as if the same calls had
+    /// declared the frame; only [`FrameGraph::reset_history`] is not repeated. Handles that the declared frame gave out
+    /// stay valid in its repeats. A repeat that is dropped instead of encoded ends this: declare the next frame.
+    ///
+    /// # Errors
+    /// When the same calls could declare another graph: the size of the frame has changed, or a history now holds more
+    /// past frames than it did, or was reset or removed. Also when there is nothing to repeat. In all these cases
+    /// declare the frame.
+    ///
+    /// ```
+    /// use framegraph::*;
+    ///
+    /// const BLEND: &str = "
+    ///     @group(0) @binding(0) var<uniform> rate: f32;
+    ///     @group(0) @binding(1) var history: texture_2d<f32>;
+    ///     @group(0) @binding(2) var out_value: texture_storage_2d<r32float, write>;
+    ///     @compute @workgroup_size(8, 8) fn main(@builtin(global_invocation_id) id: vec3u) {
+    ///         textureStore(out_value, id.xy, textureLoad(history, id.xy, 0) * rate);
+    ///     }";
+    ///
+    /// fn declare<'f>(pool: &Pool, blend: &ComputeKernel, params: FrameParams, rate: f32) -> FrameGraph<'f> {
+    ///     let mut graph = pool.frame(params);
+    ///     let desc = TextureDesc::d2(wgpu::TextureFormat::R32Float, Size::Frame);
+    ///     let history = graph.history_texture("blended", desc, 1, First::Clear([1.0; 4]));
+    ///     let mut node = graph.compute("blend", blend);
+    ///     node.uniform("rate", &rate.to_ne_bytes());
+    ///     if let Some(previous) = history.previous[0] {
+    ///         node.read("history", previous);
+    ///     }
+    ///     let blended = node.overwrite("out_value", history.current);
+    ///     node.dispatch_texels(params.size);
+    ///     graph.export_texture("image", blended);
+    ///     graph
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let mut desc = wgpu::InstanceDescriptor::new_without_display_handle();
+    /// # desc.backends = wgpu::Backends::NOOP;
+    /// # desc.backend_options.noop = wgpu::NoopBackendOptions::enabled();
+    /// # let adapter = pollster::block_on(wgpu::Instance::new(desc).request_adapter(&Default::default()))?;
+    /// # let (device, queue) = pollster::block_on(adapter.request_device(&Default::default()))?;
+    /// # let desc = KernelDesc { label: "blend", wgsl: BLEND, entry: "main", external_groups: &[] };
+    /// # let blend = ComputeKernel::new(&device, &desc)?;
+    /// let mut pool = Pool::new(&device, &queue);
+    /// let mut refused = Vec::new();
+    /// for frame in 0..4 {
+    ///     let params = FrameParams { size: [640, 360], frame };
+    ///     let rate = 1.0 / (frame + 1) as f32;
+    ///     let plan = match pool.repeat(params) {
+    ///         Ok(mut again) => {
+    ///             again.uniform("blend", "rate", &rate.to_ne_bytes());
+    ///             again.compile()?
+    ///         }
+    ///         Err(why) => {
+    ///             refused.push(why.to_string());
+    ///             declare(&pool, &blend, params, rate).compile()?
+    ///         }
+    ///     };
+    ///     let mut encoder = device.create_command_encoder(&Default::default());
+    ///     plan.encode(&mut encoder, &mut pool)?;
+    ///     queue.submit([encoder.finish()]);
+    /// }
+    /// // Frame 0 had no past, which frame 1 has; frames 2 and 3 are frame 1 again.
+    /// assert_eq!(refused.len(), 2);
+    /// assert!(refused[1].starts_with("the history `blended` holds 1 past frames and held 0"));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn repeat<'f>(&self, params: FrameParams) -> Result<Repeat<'f>, RepeatError> {
+        let check = |arena: &_| Repeat::check(arena, params, &self.states);
+        let arena = self.shared.lend_encoded(RepeatError::NoFrame, check)?;
+        Ok(Repeat::new(self.give(params), arena))
     }
 
     /// An exported texture of the plan encoded last; its contents are there once that is submitted,

@@ -16,6 +16,7 @@ pub const DESC: TextureDesc = TextureDesc {
 };
 
 pub struct Given {
+    pub device: wgpu::Device,
     pub fill: ComputeKernel,
     pub blur: ComputeKernel,
     pub add: ComputeKernel,
@@ -78,6 +79,7 @@ impl Given {
             ComputeKernel::new(device, &desc).unwrap()
         };
         Given {
+            device: device.clone(),
             fill: kernel("fill", &[]),
             blur: kernel("blur", &[]),
             add: kernel("add", &[]),

@@ -44,6 +44,7 @@ fn example(code: Code) -> fn(&mut Pool, &Given) -> Vec<Code> {
         Code::Dispatch => fg022,
         Code::SwitchedOff => fg023,
         Code::LateReset => fg024,
+        Code::Repeat => fg025,
         Code::DeadNode => fg101,
         Code::Unread => fg102,
         Code::HistoryUnwritten => fg103,
@@ -456,6 +457,25 @@ fn fg024(pool: &mut Pool, _: &Given) -> Vec<Code> {
     graph.reset_history("radiance", "camera cut");
     // end
     codes(graph)
+}
+
+fn fg025(pool: &mut Pool, given: &Given) -> Vec<Code> {
+    let Given { device, .. } = given;
+    let desc = DESC;
+    let params = PARAMS;
+    // FG025
+    let mut graph = pool.frame(params);
+    let a = graph.texture("a", desc);
+    let a = graph.clear_texture("clear", a, [1.0; 4]);
+    graph.export_texture("result", a);
+    let mut encoder = device.create_command_encoder(&Default::default());
+    graph.compile().unwrap().encode(&mut encoder, pool).unwrap();
+
+    let mut again = pool.repeat(params).unwrap();
+    again.clear("claer", [0.5; 4]);
+    // end
+    let errors = again.compile().map(|_| ()).unwrap_err();
+    errors.iter().map(|e| e.code).collect()
 }
 
 fn fg101(pool: &mut Pool, given: &Given) -> Vec<Code> {

@@ -15,15 +15,18 @@ pub enum Handle {
     Buffer(Buffer),
 }
 
+/// The latest handle of each resource.
+pub type Handles = HashMap<usize, Handle>;
+
 impl Handle {
-    fn texture(self) -> Texture {
+    pub fn texture(self) -> Texture {
         match self {
             Handle::Texture(texture) => texture,
             Handle::Buffer(_) => panic!("a texture is asked for"),
         }
     }
 
-    fn buffer(self) -> Buffer {
+    pub fn buffer(self) -> Buffer {
         match self {
             Handle::Buffer(buffer) => buffer,
             Handle::Texture(_) => panic!("a buffer is asked for"),
@@ -59,8 +62,12 @@ fn bytes(shape: Shape) -> u64 {
 }
 
 /// Declares the whole frame.
-pub fn declare<'f>(mut fg: FrameGraph<'f>, frame: &Frame, outside: &Outside<'_>) -> FrameGraph<'f> {
-    let mut handles: HashMap<usize, Handle> = HashMap::new();
+pub fn declare<'f>(
+    mut fg: FrameGraph<'f>,
+    frame: &Frame,
+    outside: &Outside<'_>,
+) -> (FrameGraph<'f>, Handles) {
+    let mut handles = Handles::new();
     for (i, r) in frame.resources.iter().enumerate() {
         if let Some(handle) = begin(&mut fg, r, outside) {
             handles.insert(i, handle);
@@ -111,7 +118,7 @@ pub fn declare<'f>(mut fg: FrameGraph<'f>, frame: &Frame, outside: &Outside<'_>)
             Handle::Buffer(buffer) => fg.export_buffer(key, buffer),
         }
     }
-    fg
+    (fg, handles)
 }
 
 /// Transients and imports; histories come later.
@@ -175,28 +182,22 @@ fn record<'f>(
     fg: &mut FrameGraph<'f>,
     frame: &Frame,
     node: &Node,
-    handles: &mut HashMap<usize, Handle>,
+    handles: &mut Handles,
     outside: &Outside<'_>,
 ) {
     let kernels = outside.kernels;
-    let texture =
-        |handles: &HashMap<usize, Handle>, i: usize| handles[&node.uses[i].resource].texture();
-    let buffer =
-        |handles: &HashMap<usize, Handle>, i: usize| handles[&node.uses[i].resource].buffer();
-    let at = |handles: &HashMap<usize, Handle>, i: usize| {
-        view(frame, texture(handles, i), &node.uses[i])
-    };
-    let next = |handles: &mut HashMap<usize, Handle>, i: usize, handle: Handle| {
+    let texture = |handles: &Handles, i: usize| handles[&node.uses[i].resource].texture();
+    let buffer = |handles: &Handles, i: usize| handles[&node.uses[i].resource].buffer();
+    let at = |handles: &Handles, i: usize| view(frame, texture(handles, i), &node.uses[i]);
+    let next = |handles: &mut Handles, i: usize, handle: Handle| {
         handles.insert(node.uses[i].resource, handle);
     };
     let name = &node.name;
-    let params = |place: u32| bytemuck::cast([node.seed, place, 0, 0]);
     match node.job {
         Job::Writer(row) => {
             let s = &WRITERS[row];
             let mut n = fg.compute(name, &kernels.writers[row]);
-            let bytes: [u8; 16] = params(0);
-            n.uniform("params", &bytes);
+            n.uniform("params", &params(node, 0));
             bind_inputs(&mut n, frame, node, s.inputs, handles);
             let (mut most, mut made) = ([0, 0], Vec::new());
             for (o, output) in s.outputs.iter().enumerate() {
@@ -222,8 +223,7 @@ fn record<'f>(
         }
         Job::Looker(row, place) => {
             let mut n = fg.compute(name, &kernels.lookers[row]);
-            let bytes: [u8; 16] = params(place);
-            n.uniform("params", &bytes)
+            n.uniform("params", &params(node, place))
                 .bind_group(1, outside.observed)
                 .side_effect("looks");
             bind_inputs(&mut n, frame, node, LOOKERS[row].inputs, handles);
@@ -232,16 +232,14 @@ fn record<'f>(
         }
         Job::Arguments => {
             let mut n = fg.compute(name, &kernels.arguments);
-            let bytes: [u8; 16] = params(0);
-            n.uniform("params", &bytes);
+            n.uniform("params", &params(node, 0));
             let b = n.overwrite_buffer("out0", buffer(handles, 0));
             n.dispatch([1, 1, 1]);
             next(handles, 0, Handle::Buffer(b));
         }
         Job::Indirect => {
             let mut n = fg.compute(name, &kernels.indirect);
-            let bytes: [u8; 16] = params(0);
-            n.uniform("params", &bytes);
+            n.uniform("params", &params(node, 0));
             let b = n.modify_buffer("out0", buffer(handles, 0));
             switch!(n, node, handles, &[]);
             n.dispatch_indirect(buffer(handles, 1), 0);
@@ -249,8 +247,8 @@ fn record<'f>(
         }
         Job::Raster { clear, part } => {
             let mut n = fg.raster(name, &kernels.raster);
-            let bytes: [u8; 16] = params(part.into());
-            n.uniform("params", &bytes).read("in0", at(handles, 0));
+            n.uniform("params", &params(node, part.into()))
+                .read("in0", at(handles, 0));
             let load = match clear {
                 Some(value) => Load::Clear(wgpu::Color {
                     r: value.into(),
@@ -295,11 +293,7 @@ fn record<'f>(
             n.read_buffer(from, wgpu::BufferUsages::COPY_SRC);
             let b = n.modify_buffer(to, wgpu::BufferUsages::COPY_DST);
             switch!(n, node, handles, &[]);
-            n.record(move |encoder, resources| {
-                if let (Some(from), Some(to)) = (resources.buffer(from), resources.buffer(b)) {
-                    encoder.copy_buffer_to_buffer(from, 0, to, 0, 4);
-                }
-            });
+            n.record(copy_word([from, b]));
             next(handles, 1, Handle::Buffer(b));
         }
     }
@@ -310,7 +304,7 @@ fn bind_inputs(
     frame: &Frame,
     node: &Node,
     inputs: &[In],
-    handles: &HashMap<usize, Handle>,
+    handles: &Handles,
 ) {
     for (i, (input, u)) in inputs.iter().zip(&node.uses).enumerate() {
         let (binding, handle) = (format!("in{i}"), handles[&u.resource]);
@@ -325,7 +319,7 @@ fn foreign_texture(
     fg: &mut FrameGraph<'_>,
     frame: &Frame,
     node: &Node,
-    handles: &mut HashMap<usize, Handle>,
+    handles: &mut Handles,
     whole: bool,
 ) {
     let (source, target) = (&node.uses[0], &node.uses[1]);
@@ -345,7 +339,31 @@ fn foreign_texture(
     let output = Handle::Texture(made);
     handles.insert(target.resource, output);
     switch!(n, node, handles, &[(1, output)]);
-    n.record(move |encoder, resources| {
+    n.record(copy_texel([(from, a), (made, b)], [width, height]));
+}
+
+/// The data of a node's uniform.
+pub fn params(node: &Node, place: u32) -> [u8; 16] {
+    bytemuck::cast([node.seed, place, 0, 0])
+}
+
+/// The work of a foreign node: copies the first word.
+pub fn copy_word(
+    [from, to]: [Buffer; 2],
+) -> impl FnOnce(&mut wgpu::CommandEncoder, &Resources<'_>) {
+    move |encoder, resources| {
+        if let (Some(from), Some(to)) = (resources.buffer(from), resources.buffer(to)) {
+            encoder.copy_buffer_to_buffer(from, 0, to, 0, 4);
+        }
+    }
+}
+
+/// The work of a foreign node: copies some texels of one (mip, layer) to another.
+pub fn copy_texel(
+    [(from, a), (to, b)]: [(Texture, Subresources); 2],
+    [width, height]: [u32; 2],
+) -> impl FnOnce(&mut wgpu::CommandEncoder, &Resources<'_>) {
+    move |encoder, resources| {
         let at = |texture, r: Subresources| wgpu::TexelCopyTextureInfo {
             texture,
             mip_level: r.mip,
@@ -356,7 +374,7 @@ fn foreign_texture(
             },
             aspect: wgpu::TextureAspect::All,
         };
-        if let (Some(from), Some(to)) = (resources.texture(from), resources.texture(made)) {
+        if let (Some(from), Some(to)) = (resources.texture(from), resources.texture(to)) {
             let size = wgpu::Extent3d {
                 width,
                 height,
@@ -364,5 +382,5 @@ fn foreign_texture(
             };
             encoder.copy_texture_to_texture(at(from, a), at(to, b), size);
         }
-    });
+    }
 }

@@ -3,10 +3,11 @@
 use framegraph::{Debug, FrameParams, Pool};
 
 use crate::check::check;
-use crate::declare::{Outside, Real, declare, desc};
+use crate::declare::{Handles, Outside, Real, declare, desc};
 use crate::frame::{Frame, Shape};
 use crate::kernels::Kernels;
 use crate::model::{Outcome, imported};
+use crate::repeat::{again, tell};
 
 /// A device and its kernels, shared by all programs.
 pub struct Gpu {
@@ -196,6 +197,16 @@ impl Words<'_> {
     }
 }
 
+/// How a program is recorded.
+#[derive(Clone, Debug)]
+pub struct Way {
+    pub debug: Debug,
+    /// Whether each frame is submitted by itself.
+    pub submit_each: bool,
+    /// Whether frames are repeated instead of declared where they are the same.
+    pub repeat: bool,
+}
+
 /// A program that was recorded and perhaps submitted.
 pub struct Run<'a> {
     frames: &'a [Frame],
@@ -204,16 +215,17 @@ pub struct Run<'a> {
     observed: u32,
     /// Frames that found their plan.
     pub found: u64,
+    /// Frames that were repeated.
+    pub repeated: u64,
 }
 
-/// Records all frames, checking each plan; with `submit_each` every frame is submitted by itself.
+/// Records all frames, checking each plan.
 pub fn run<'a>(
     gpu: &Gpu,
     frames: &'a [Frame],
     want: &Outcome,
     shapes: &[Shape],
-    debug: &Debug,
-    submit_each: bool,
+    way: &Way,
 ) -> Result<Run<'a>, String> {
     let imports: Vec<Real> = shapes
         .iter()
@@ -241,21 +253,36 @@ pub fn run<'a>(
         observed: &group,
     };
     let mut pool = Pool::new(&gpu.device, &gpu.queue);
-    *pool.debug() = debug.clone();
+    *pool.debug() = way.debug.clone();
     let new = || gpu.device.create_command_encoder(&Default::default());
     let mut encoder = new();
-    for frame in frames {
+    let (mut handles, mut repeated) = (Handles::new(), 0);
+    for (number, frame) in frames.iter().enumerate() {
         if let Some(key) = &frame.reset {
             pool.reset_history(key, "the program says so");
         }
-        let fg = pool.frame(FrameParams {
-            size: frame.size,
-            frame: frame.number,
-        });
-        let plan = declare(fg, frame, &outside)
-            .compile()
-            .map_err(|e| e.to_string())?;
-        check(frame, &plan, debug)?;
+        let again = match way.repeat {
+            true => again(&pool, frames, number)?,
+            false => None,
+        };
+        let plan = match again {
+            Some(mut again) => {
+                tell(&mut again, frame, &outside, &handles);
+                repeated += 1;
+                again.compile()
+            }
+            None => {
+                let fg = pool.frame(FrameParams {
+                    size: frame.size,
+                    frame: frame.number,
+                });
+                let (fg, own) = declare(fg, frame, &outside);
+                handles = own;
+                fg.compile()
+            }
+        };
+        let plan = plan.map_err(|e| e.to_string())?;
+        check(frame, &plan, &way.debug)?;
         plan.encode(&mut encoder, &mut pool)
             .map_err(|e| e.to_string())?;
         for &e in &frame.exports {
@@ -269,7 +296,7 @@ pub fn run<'a>(
                 _ => return Err(format!("{} is not exported", r.name)),
             }
         }
-        if submit_each {
+        if way.submit_each {
             gpu.queue
                 .submit([std::mem::replace(&mut encoder, new()).finish()]);
         }
@@ -290,6 +317,7 @@ pub fn run<'a>(
         readback: readback.buffer,
         observed: want.observed.len() as u32,
         found: pool.plans().found,
+        repeated,
     })
 }
 

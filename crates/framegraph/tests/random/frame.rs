@@ -73,7 +73,7 @@ pub struct Resource {
     pub role: Role,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Use {
     pub resource: usize,
     pub range: Subresources,

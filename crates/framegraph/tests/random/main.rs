@@ -16,6 +16,7 @@ mod kernels;
 mod model;
 mod program;
 mod record;
+mod repeat;
 mod resolve;
 mod tracker;
 
@@ -26,7 +27,7 @@ use framegraph::Debug;
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
 
-use execute::{Gpu, run};
+use execute::{Gpu, Way, run};
 use model::interpret;
 use program::{Program, program};
 use resolve::imports;
@@ -72,31 +73,35 @@ fn each(cases: u32, test: impl Fn(&Program) -> Result<(), String>) {
     }
 }
 
-/// The levers, and whether each frame is submitted by itself.
-fn ways() -> [(Debug, bool); 4] {
-    let off = Debug::default();
-    let clobber = Debug {
-        clobber: true,
-        ..off.clone()
+/// With and without levers.
+fn ways() -> [Way; 5] {
+    let plain = Way {
+        debug: Debug::default(),
+        submit_each: false,
+        repeat: false,
     };
-    let no_cull = Debug {
-        no_cull: true,
+    let mut again = plain.clone();
+    again.repeat = true;
+    let mut clobber = plain.clone();
+    clobber.debug.clobber = true;
+    let mut no_cull = Way {
+        submit_each: true,
         ..clobber.clone()
     };
-    let apart = Debug {
-        no_group: true,
-        no_reuse: true,
-        no_batch: true,
-        no_cache: true,
-        labels: true,
-        ..off.clone()
+    no_cull.debug.no_cull = true;
+    let apart = Way {
+        debug: Debug {
+            no_group: true,
+            no_reuse: true,
+            no_batch: true,
+            no_cache: true,
+            labels: true,
+            ..Debug::default()
+        },
+        submit_each: true,
+        repeat: true,
     };
-    [
-        (off, false),
-        (clobber, false),
-        (no_cull, true),
-        (apart, true),
-    ]
+    [plain, again, clobber, no_cull, apart]
 }
 
 /// Against call order without grouping, culling or reuse; also with every lever that must change nothing.
@@ -105,29 +110,35 @@ fn plans_compute_what_their_nodes_say_in_call_order() {
     let Some(gpu) = &*REAL else {
         return;
     };
-    let (found, executed) = (Cell::new(0), Cell::new(0));
+    let [found, repeated, executed] = [const { Cell::new(0) }; 3];
     each(1000, |program| {
         let (frames, want) = interpret(program);
         let shapes = imports(program);
         let mut runs = Vec::new();
-        for (debug, submit_each) in ways() {
-            let run = run(gpu, &frames, &want, &shapes, &debug, submit_each)?;
-            runs.push((debug, run));
+        for way in ways() {
+            let run = run(gpu, &frames, &want, &shapes, &way)?;
+            runs.push((way, run));
         }
         gpu.device
             .poll(wgpu::PollType::wait_indefinitely())
             .map_err(|e| e.to_string())?;
-        for (debug, run) in runs {
+        for (way, run) in runs {
             found.set(found.get() + run.found);
-            executed.set(executed.get() + frames.len());
+            repeated.set(repeated.get() + run.repeated);
+            executed.set(executed.get() + frames.len() as u64);
             let got = run.outcome();
             if got != want {
-                return Err(format!("{debug:?}: {got:#?} instead of {want:#?}"));
+                return Err(format!("{way:?}: {got:#?} instead of {want:#?}"));
             }
         }
         Ok(())
     });
-    eprintln!("{} graphs were executed", executed.get());
+    eprintln!(
+        "{} graphs were executed, {} of them again without being declared",
+        executed.get(),
+        repeated.get()
+    );
+    assert!(repeated.get() > 0, "no frame was repeated");
     assert!(found.get() > 0, "no frame found the plan of another");
 }
 
@@ -137,8 +148,8 @@ fn plans_hold_to_the_definitions() {
     each(1000, |program| {
         let (frames, want) = interpret(program);
         let shapes = imports(program);
-        for (debug, submit_each) in ways() {
-            run(&NOOP, &frames, &want, &shapes, &debug, submit_each)?;
+        for way in ways() {
+            run(&NOOP, &frames, &want, &shapes, &way)?;
         }
         Ok(())
     });

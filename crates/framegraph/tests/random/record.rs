@@ -228,7 +228,7 @@ fn child(gpu: &Gpu, file: &Path) {
                 size: frame.size,
                 frame: frame.number,
             });
-            let plan = declare(fg, frame, &outside).compile().unwrap();
+            let plan = declare(fg, frame, &outside).0.compile().unwrap();
             lines.push((predict(frame, &plan), plan.to_string()));
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             plan.encode(&mut encoder, &mut pool).unwrap();
