@@ -31,7 +31,7 @@ fn main() -> Result<(), Failure> {
         "graph: declare, find the plan, encode, and `declare` is the first two. grouped: the same calls in
 one compute pass by hand. apart: a compute pass for each dispatch by hand. All with finish and submit, but
 for `on top`: what declaring, finding and encoding take beyond encoding by hand. Barriers are batched where
-the name says so: calls more, for fewer barriers.\n"
+the name says so: calls more, for fewer barriers. repeated: the frame is repeated instead of declared.\n"
     );
     println!(
         "| device | graph | passes | declare, ns | on top, ns | graph, us | grouped, us | graph / grouped | apart, us | apart / graph |"
@@ -51,18 +51,22 @@ the name says so: calls more, for fewer barriers.\n"
             0 => bench.name.clone(),
             n => format!("{}, {n} other buffers", bench.name),
         };
-        for (work, frames, batched) in [
-            (Work::chain(100), 1000, false),
-            (Work::fan(100), 1000, false),
-            (Work::diamond(100), 1000, false),
-            (Work::random(100), 1000, false),
-            (Work::random(100), 1000, true),
-            (Work::chain(10_000), 30, false),
-        ] {
-            let frames = if buffers > 0 { frames / 4 } else { frames };
-            // So many passes apart would take minutes beside many buffers.
-            if work.passes.len() < 1000 || backends == wgpu::Backends::NOOP && buffers == 0 {
-                bench.frames(&name, &work, frames, batched)?;
+        let frames = if buffers > 0 { 250 } else { 1000 };
+        for work in [Work::chain, Work::fan, Work::diamond, Work::random] {
+            for how in [How::Declared, How::Repeated] {
+                bench.frames(&name, &work(100), frames, how)?;
+            }
+        }
+        for how in [How::Batched, How::BatchedRepeated] {
+            bench.frames(&name, &Work::random(100), frames, how)?;
+        }
+        // So many passes apart would take minutes beside many buffers.
+        if backends == wgpu::Backends::NOOP && buffers == 0 {
+            for work in [Work::chain, Work::fan, Work::diamond, Work::random] {
+                for how in [How::Declared, How::Repeated] {
+                    // Of a device's own, without what the rows before have left in wgpu's lists.
+                    Bench::new(backends)?.frames(&name, &work(10_000), 30, how)?;
+                }
             }
         }
         drop(others);
@@ -136,6 +140,26 @@ impl Work {
             textures: 64,
             passes,
         }
+    }
+}
+
+/// How a frame comes by its plan.
+#[derive(Clone, Copy, PartialEq)]
+enum How {
+    Declared,
+    Repeated,
+    /// With barriers in batches.
+    Batched,
+    BatchedRepeated,
+}
+
+impl How {
+    fn batched(self) -> bool {
+        matches!(self, How::Batched | How::BatchedRepeated)
+    }
+
+    fn repeated(self) -> bool {
+        matches!(self, How::Repeated | How::BatchedRepeated)
     }
 }
 
@@ -243,6 +267,13 @@ impl Bench {
         })
     }
 
+    fn params(&self, frame: u64) -> FrameParams {
+        FrameParams {
+            size: [8, 8],
+            frame,
+        }
+    }
+
     fn declare<'f>(
         &self,
         pool: &Pool,
@@ -250,10 +281,7 @@ impl Bench {
         labels: &[&'static str],
         frame: u64,
     ) -> FrameGraph<'f> {
-        let mut fg = pool.frame(FrameParams {
-            size: [8, 8],
-            frame,
-        });
+        let mut fg = pool.frame(self.params(frame));
         let desc = TextureDesc::d2(wgpu::TextureFormat::R32Float, Size::Frame);
         let mut textures: Vec<Texture> = Vec::with_capacity(work.textures);
         textures.extend((0..work.textures).map(|_| fg.texture("texture", desc)));
@@ -274,47 +302,50 @@ impl Bench {
     }
 
     /// The three ways, frame by frame.
-    fn frames(&self, name: &str, work: &Work, frames: u64, batched: bool) -> Result<(), Failure> {
+    fn frames(&self, name: &str, work: &Work, frames: u64, how: How) -> Result<(), Failure> {
         let mut pool = Pool::new(&self.device, &self.queue);
-        pool.debug().no_batch = !batched;
+        pool.debug().no_batch = !how.batched();
         let labels = labels(work);
         let by_hand = ByHand::new(self, work);
         let mut times = Times::default();
-        for frame in 0..frames {
+        let mut graph = |frame: u64| -> Result<[Duration; 3], Failure> {
             let start = Instant::now();
-            let plan = self.declare(&pool, work, &labels, frame).compile()?;
+            let plan = match how.repeated() && frame > 0 {
+                true => pool.repeat(self.params(frame))?.compile()?,
+                false => self.declare(&pool, work, &labels, frame).compile()?,
+            };
             let declared = start.elapsed();
             let mut encoder = self.device.create_command_encoder(&Default::default());
             plan.encode(&mut encoder, &mut pool)?;
-            let graph_encoded = start.elapsed();
+            let encoded = start.elapsed();
             self.queue.submit([encoder.finish()]);
-            let graph = start.elapsed();
+            let all = start.elapsed();
             self.wait()?;
-
+            Ok([declared, encoded, all])
+        };
+        let hand = |record: fn(&ByHand, &mut wgpu::CommandEncoder)| {
             let start = Instant::now();
             let mut encoder = self.device.create_command_encoder(&Default::default());
-            by_hand.grouped(&mut encoder);
-            let grouped_encoded = start.elapsed();
+            record(&by_hand, &mut encoder);
+            let encoded = start.elapsed();
             self.queue.submit([encoder.finish()]);
-            let grouped = start.elapsed();
-            self.wait()?;
-
-            let start = Instant::now();
-            let mut encoder = self.device.create_command_encoder(&Default::default());
-            by_hand.apart(&mut encoder);
-            self.queue.submit([encoder.finish()]);
-            let apart = start.elapsed();
-            self.wait()?;
+            let all = start.elapsed();
+            self.wait().map(|()| [encoded, all])
+        };
+        for frame in 0..frames {
+            // They take turns at being first, because the second finds wgpu's code in the caches.
+            let (graph, grouped) = match frame % 2 {
+                0 => (graph(frame)?, hand(ByHand::grouped)?),
+                _ => {
+                    let grouped = hand(ByHand::grouped)?;
+                    (graph(frame)?, grouped)
+                }
+            };
+            let [_, apart] = hand(ByHand::apart)?;
             // The first frames make everything.
             if frame >= frames / 10 {
-                times.add([
-                    graph_encoded,
-                    grouped_encoded,
-                    graph,
-                    grouped,
-                    apart,
-                    declared,
-                ]);
+                let [declared, encoded, all] = graph;
+                times.add([encoded, grouped[0], all, grouped[1], apart, declared]);
             }
         }
         let count = work.passes.len();
@@ -334,9 +365,10 @@ impl Bench {
             cell(1, &|[_, _, graph, _, apart, _]| apart / graph),
         ];
         println!(
-            "| {name} | {}{} | {count} | {} |",
+            "| {name} | {}{}{} | {count} | {} |",
             work.name,
-            if batched { ", batched" } else { "" },
+            if how.batched() { ", batched" } else { "" },
+            if how.repeated() { ", repeated" } else { "" },
             cells.join(" | ")
         );
         Ok(())
