@@ -1,7 +1,7 @@
 //! `--camera`: one of the scene's, or one of one's own.
 
-use crate::failure::Failure;
 use scumble::Camera;
+use scumble_lab::{NoCamera, find_camera};
 use std::str::FromStr;
 
 /// Which camera to look through.
@@ -45,28 +45,11 @@ impl FromStr for CameraChoice {
 
 impl CameraChoice {
     /// The camera, given those of the scene as they are now.
-    pub fn of(self, cameras: &[scumble_scene::Camera]) -> Result<Camera, Failure> {
-        let number = match self {
-            Self::Fixed(camera) => return Ok(camera),
-            Self::Number(number) => number,
-        };
-        let names = || {
-            cameras
-                .iter()
-                .map(|c| format!("`{}`", c.name))
-                .collect::<Vec<_>>()
-                .join(", ")
-        };
-        let camera = cameras.get(number).ok_or_else(|| Failure::NoCamera {
-            number,
-            count: cameras.len(),
-            names: names(),
-        })?;
-        Ok(Camera {
-            world_from_view: camera.world_from_view.into(),
-            y_fov: camera.y_fov,
-            near: camera.near,
-        })
+    pub fn of(self, cameras: &[scumble_scene::Camera]) -> Result<Camera, NoCamera> {
+        match self {
+            Self::Fixed(camera) => Ok(camera),
+            Self::Number(number) => find_camera(cameras, number),
+        }
     }
 }
 

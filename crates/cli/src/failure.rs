@@ -57,12 +57,8 @@ pub enum Failure {
     Scene(#[from] scumble_scene::SceneError),
     #[error(transparent)]
     GpuScene(#[from] scumble_scene::GpuSceneError),
-    #[error("there is no camera {number}; the scene has {count}, from 0: {names}")]
-    NoCamera {
-        number: usize,
-        count: usize,
-        names: String,
-    },
+    #[error(transparent)]
+    NoCamera(#[from] scumble_lab::NoCamera),
     #[error("`{path}`: a sky's radiance is finite, and 0 or more", path = path.display())]
     BadSky { path: PathBuf },
 

@@ -3,16 +3,13 @@
 use crate::budget::spend;
 use crate::device::Gpu;
 use crate::error::LabError;
-use crate::experiment::Experiment;
 use crate::key::Key;
 use crate::measure::{Exposed, Guide, exposure};
+use crate::plan::Plan;
 use crate::stage::{Pose, Stage, output};
-use scumble::{Edits, Pipeline, Registry, Resolved, resolve, resolve_text};
+use scumble::{Diagnostics, Edits, Pipeline, Registry, Resolved, resolve_text};
 use scumble_metrics::{Image, MetricsError, read, write_exr};
 use std::path::{Path, PathBuf};
-
-/// What is rendered where the experiment names no graph.
-const REFERENCE: &str = include_str!("../../../graphs/reference.ron");
 
 /// The motion of what the camera sees, without jitter.
 const GUIDES: &str = r#"(
@@ -33,14 +30,10 @@ pub(crate) struct ReferenceGraph {
 }
 
 impl ReferenceGraph {
-    pub fn new(experiment: &Experiment, registry: &Registry) -> Result<ReferenceGraph, LabError> {
-        let edits = Edits::default();
-        let mut graph = match &experiment.reference.graph {
-            Some(path) => resolve(experiment.file(&path.value), registry, &edits)?,
-            None => resolve_text("reference.ron", REFERENCE, registry, &edits)?,
-        };
-        keep_linear(&mut graph)?;
-        let samples = experiment.reference.samples;
+    pub fn new(plan: &Plan) -> Result<ReferenceGraph, Diagnostics> {
+        let mut graph = plan.reference.clone()?;
+        keep_linear(&mut graph);
+        let samples = plan.experiment.reference.samples;
         let per_frame = samples_per_frame(samples);
         spend(&mut graph, f64::from(per_frame));
         Ok(ReferenceGraph {
@@ -66,12 +59,8 @@ impl ReferenceGraph {
 }
 
 /// Leaves out what is only shown: `linear` is what is measured.
-pub(crate) fn keep_linear(graph: &mut Resolved) -> Result<(), LabError> {
+pub(crate) fn keep_linear(graph: &mut Resolved) {
     graph.keep_outputs(|name| name == "linear");
-    match graph.outputs.is_empty() {
-        true => Err(LabError::NoLinear),
-        false => Ok(()),
-    }
 }
 
 /// Paths per pixel of each frame of a reference: as many as leave 64 frames, so that a pixel is sampled at

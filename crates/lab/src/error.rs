@@ -2,6 +2,7 @@
 
 use crate::device::DeviceError;
 use crate::render::FrameError;
+use crate::scene::NoCamera;
 use std::path::PathBuf;
 
 /// Why an experiment or one of its runs failed.
@@ -48,17 +49,9 @@ pub enum LabError {
     /// The graph has no linear image.
     #[error("the graph has no output `linear`, which is what is measured")]
     NoLinear,
-    /// The graph is a part of others.
-    #[error("the graph is a part for others: nothing feeds its inputs")]
-    Part,
     /// The scene has no such camera.
-    #[error("there is no camera {number}; the scene has {count}")]
-    NoCamera {
-        /// The number asked for.
-        number: usize,
-        /// How many there are.
-        count: usize,
-    },
+    #[error(transparent)]
+    NoCamera(#[from] NoCamera),
     /// A reference without light: nothing can be compared with it.
     #[error("the reference is black")]
     BlackReference,

@@ -41,6 +41,6 @@ pub use record::{FrameRecord, Record};
 pub use render::{FrameError, read_image, render_frame};
 pub use results::{EffectsOf, Failure, Index, MetricSummary, Results, Spent, Summary, merge};
 pub use runner::{Event, Runner, Shard, measure_speed};
-pub use scene::load_scene;
+pub use scene::{NoCamera, find_camera, load_scene, seen_from};
 pub use statistics::{Effect, Estimate, LEVEL, effects, quantile};
 pub use student::student_t;

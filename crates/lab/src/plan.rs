@@ -4,9 +4,12 @@ use crate::budget::{Spending, budget_params, spend, spending};
 use crate::experiment::{Budget, CameraPath, Experiment, Factor, GraphChoice, Motion};
 use crate::mistakes::whole;
 use scumble::diagnostics::{Span, Spanned};
-use scumble::{Diagnostics, Edits, Registry, Resolved, resolve};
+use scumble::{Diagnostics, Edits, Registry, Resolved, resolve, resolve_text};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+
+/// What references are rendered with where the experiment names no graph.
+const REFERENCE: &str = include_str!("../../../graphs/reference.ron");
 
 /// One pipeline of an experiment.
 #[derive(Clone, Debug)]
@@ -32,6 +35,8 @@ pub struct Plan {
     pub experiment: Experiment,
     /// The base, then what is compared with it, ablations, combinations, sweeps.
     pub variants: Vec<Variant>,
+    /// The graph that references are rendered with, or every mistake in it.
+    pub reference: Result<Resolved, Diagnostics>,
     /// What results need to know of all this.
     pub design: Design,
     /// What is no mistake, and worth knowing.
@@ -189,10 +194,12 @@ impl Plan {
         let Planner {
             variants, notes, ..
         } = planner;
+        let reference = reference(&experiment, registry);
         let design = design(&experiment, &variants, factorial, sweep);
         Plan {
             experiment,
             variants,
+            reference,
             design,
             notes,
         }
@@ -394,6 +401,17 @@ impl Planner<'_> {
 
 fn design(
     experiment: &Experiment,
+fn reference(experiment: &Experiment, registry: &Registry) -> Result<Resolved, Diagnostics> {
+    let edits = Edits::default();
+    match &experiment.reference.graph {
+        Some(path) => {
+            let graph = resolve(experiment.file(&path.value), registry, &edits)?;
+            whole(graph, path)
+        }
+        None => resolve_text("reference.ron", REFERENCE, registry, &edits),
+    }
+}
+
     variants: &[Variant],
     factorial: Option<Factorial>,
     sweep: Option<Sweep>,

@@ -130,7 +130,7 @@ impl<'a> Runner<'a> {
     /// # Errors
     /// What stops everything: the reference graph has mistakes.
     pub fn run(mut self) -> Result<(Index, Spent), LabError> {
-        let reference = ReferenceGraph::new(&self.plan.experiment, self.registry)?;
+        let reference = ReferenceGraph::new(self.plan)?;
         for variant in &self.plan.variants {
             if let Err(mistakes) = &variant.graph {
                 let failure = Failure::new(mistakes).variant(&variant.name);
@@ -269,7 +269,7 @@ impl<'a> Runner<'a> {
     ) -> Result<(), LabError> {
         let experiment = &self.plan.experiment;
         let mut graph = variant.graph.clone()?;
-        keep_linear(&mut graph)?;
+        keep_linear(&mut graph);
         let mut pipeline = stage.pipeline(self.gpu, self.registry, &graph, experiment.size)?;
         let settings = self.settle(
             &variant.name,
@@ -515,7 +515,7 @@ fn note_cost(record: &mut Record, pipeline: &mut Pipeline) -> Result<(), LabErro
 /// The scene or the reference cannot be rendered.
 pub fn measure_speed(gpu: &Gpu, registry: &Registry, plan: &Plan) -> Result<f64, LabError> {
     let experiment = &plan.experiment;
-    let reference = ReferenceGraph::new(experiment, registry)?;
+    let reference = ReferenceGraph::new(plan)?;
     let (Some(scene), Some(path)) = (experiment.scenes.first(), experiment.cameras.first()) else {
         return Err(LabError::BlackReference);
     };

@@ -5,6 +5,7 @@ use crate::error::LabError;
 use crate::experiment::{CameraPath, Experiment};
 use crate::key::Key;
 use crate::render::{read_image, render_frame};
+use crate::scene::find_camera;
 use framegraph::Debug;
 use scumble::{Camera, FrameInput, Host, Pipeline, Registry, Resolved};
 use scumble_metrics::Image;
@@ -55,7 +56,10 @@ impl Stage {
                 let time = Experiment::time(path, frame);
                 let start = match still.filter(|_| path.frame_time == 0.0) {
                     Some(start) => start,
-                    None => *still.insert(self.camera(path.camera, time)?),
+                    None => {
+                        let cameras = self.scene.pose(time).cameras;
+                        *still.insert(find_camera(&cameras, path.camera.value)?)
+                    }
                 };
                 Ok(Pose {
                     camera: path.at(frame, start, centre),
@@ -63,19 +67,6 @@ impl Stage {
                 })
             })
             .collect()
-    }
-
-    fn camera(&self, number: usize, time: f32) -> Result<Camera, LabError> {
-        let cameras = self.scene.pose(time).cameras;
-        let camera = cameras.get(number).ok_or(LabError::NoCamera {
-            number,
-            count: cameras.len(),
-        })?;
-        Ok(Camera {
-            world_from_view: camera.world_from_view.into(),
-            y_fov: camera.y_fov,
-            near: camera.near,
-        })
     }
 
     /// Builds a graph for this scene.
@@ -86,9 +77,6 @@ impl Stage {
         graph: &Resolved,
         size: [u32; 2],
     ) -> Result<Pipeline, LabError> {
-        if graph.inputs.iter().any(|input| !input.optional) {
-            return Err(LabError::Part);
-        }
         let (device, queue) = (&gpu.device, &gpu.queue);
         let mut pipeline = Pipeline::new(device, queue, registry, graph.clone(), &self.host, size)?;
         gpu.check()?;

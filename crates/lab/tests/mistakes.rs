@@ -42,8 +42,9 @@ fn a_good_file_is_read() {
     let frames = experiment.reference_frames(&experiment.cameras[0]);
     assert_eq!(frames, [3, 7]);
     let quick = Experiment::parse("e.ron", GOOD, true).unwrap();
+    let motions = |e: &Experiment| e.cameras.iter().map(|c| c.motion).collect::<Vec<_>>();
+    assert_eq!(motions(&quick), motions(&experiment));
     assert_eq!((quick.seeds, quick.size), (vec![1], [32, 32]));
-    assert_eq!(quick.cameras, experiment.cameras);
 }
 
 #[test]
@@ -210,6 +211,42 @@ fn a_change_that_fits_no_pass_has_its_place() {
         text.contains("e.ron:6:") && text.contains("did you mean `samples`?"),
         "{text}"
     );
+}
+
+/// Scenes are known before anything is rendered: where they stand in the experiment, and the cameras that they lack.
+#[test]
+fn scenes_and_their_cameras_are_checked_at_their_places() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("cut.glb"), "glTF").unwrap();
+    let text = "(version: 1, scenes: [\"cornell\", \"cornel\", \"cut.glb\"], base: \"../../graphs/direct-only.ron\",
+        camera: [(still: 0, frames: 2), (still: 1, frames: 2, name: \"b\"), (orbit: (degrees: 9, camera: 7), frames: 2)],
+        seeds: 1, reference: (samples: 1, every: 1, graph: \"../../graphs/upsample-chain.ron\"), metrics: [Mse], size: (8, 8))";
+    let name = folder.path().join("e.ron").display().to_string();
+    let experiment = Experiment::parse(&name, text, false).unwrap();
+    let mistakes = Plan::new(experiment, &scumble_passes::registry()).mistakes();
+    let told: Vec<_> = (mistakes.iter())
+        .map(|d| (d.labels[0].0.line_column(), d.message.as_str()))
+        .collect();
+    let camera = |n: usize| format!("there is no camera {n}; the scene has 1, from 0: `cornell`");
+    let (one, seven) = (camera(1), camera(7));
+    assert_eq!(
+        told[..3],
+        [
+            ((2, 49), one.as_str()),
+            ((2, 104), seven.as_str()),
+            ((1, 34), "there is no scene `cornel`"),
+        ]
+    );
+    let ((line, column), cut) = told[3];
+    assert_eq!((line, column), (1, 44));
+    assert!(cut.contains("cut.glb`: the file is truncated"), "{cut}");
+    // What references are rendered with is checked, too.
+    let (_, part) = told[4];
+    assert!(
+        part.ends_with("upsample-chain.ron` is a part for other graphs"),
+        "{part}"
+    );
+    assert_eq!(told.len(), 5);
 }
 
 /// Two patterns and a sweep: every combination once, the base first, and each change said.

@@ -36,11 +36,6 @@ pub enum ViewError {
     #[error(transparent)]
     Scene(#[from] scumble_scene::GpuSceneError),
     /// The scene has no such camera.
-    #[error("there is no camera {number}; the scene has {count}")]
-    NoCamera {
-        /// The number asked for.
-        number: usize,
-        /// How many there are.
-        count: usize,
-    },
+    #[error(transparent)]
+    NoCamera(#[from] scumble_lab::NoCamera),
 }

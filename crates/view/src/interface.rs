@@ -80,12 +80,8 @@ fn controls(ui: &mut Ui, view: &mut View<'_>) {
 }
 
 fn camera(ui: &mut Ui, view: &mut View<'_>) {
-    let names: Vec<String> = view
-        .stage
-        .cameras()
-        .into_iter()
-        .map(|(name, _)| name)
-        .collect();
+    let cameras = view.stage.cameras().iter();
+    let names: Vec<String> = cameras.map(|camera| camera.name.clone()).collect();
     let shown = match names.get(view.camera) {
         _ if view.fly.is_taken() => "flying",
         Some(name) => name,

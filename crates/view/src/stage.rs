@@ -67,15 +67,9 @@ impl Stage {
         self.frame
     }
 
-    /// The scene's cameras, as they are now: names and places.
-    pub fn cameras(&self) -> Vec<(String, Camera)> {
-        let cameras = self.scene().map_or(&[][..], GpuScene::cameras).iter();
-        let camera = |camera: &scumble_scene::Camera| Camera {
-            world_from_view: camera.world_from_view.into(),
-            y_fov: camera.y_fov,
-            near: camera.near,
-        };
-        cameras.map(|c| (c.name.clone(), camera(c))).collect()
+    /// The scene's cameras, as they are now.
+    pub fn cameras(&self) -> &[scumble_scene::Camera] {
+        self.scene().map_or(&[], GpuScene::cameras)
     }
 
     /// Moves the scene to `time` seconds.

@@ -14,7 +14,7 @@ use crate::written::{Written, same_file};
 use scumble::{
     Camera, Diagnostics, Edits, FrameInput, GraphFile, Registry, Resolved, Source, resolve_text,
 };
-use scumble_lab::Gpu;
+use scumble_lab::{Gpu, find_camera, seen_from};
 use scumble_metrics::write_atomic;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -76,18 +76,11 @@ impl<'r> View<'r> {
             .map_or(1.0, |scene| 0.5 * scene.bounds().size().length());
         let scene = options.scene.take();
         let stage = Stage::new(gpu, scene, options.seed)?;
-        let cameras = stage.cameras();
         let (number, camera) = match options.camera {
             Start::Fixed(camera) => (usize::MAX, camera),
             // A graph without a scene looks through none.
             Start::Number(number) if stage.scene().is_none() => (number, Camera::default()),
-            Start::Number(number) => match cameras.get(number) {
-                Some((_, camera)) => (number, *camera),
-                None => {
-                    let count = cameras.len();
-                    return Err(ViewError::NoCamera { number, count });
-                }
-            },
+            Start::Number(number) => (number, find_camera(stage.cameras(), number)?),
         };
         let scale = options.scale.max(1);
         let size = options.size.map(|n| (n / scale).max(1));
@@ -146,8 +139,8 @@ impl<'r> View<'r> {
             self.size = None;
         }
         self.stage.pose(self.clock.time())?;
-        if let Some((_, camera)) = self.stage.cameras().get(self.camera) {
-            self.fly.follow(*camera);
+        if let Some(camera) = self.stage.cameras().get(self.camera) {
+            self.fly.follow(seen_from(camera));
         }
         let cut = std::mem::take(&mut self.cut);
         let input = self.stage.next(self.fly.camera(), self.clock.time(), cut);
@@ -224,7 +217,8 @@ impl<'r> View<'r> {
 
     /// Goes to one of the scene's cameras, and follows it.
     pub fn go_to(&mut self, camera: usize) {
-        if let Some((_, place)) = self.stage.cameras().get(camera) {
+        if let Some(place) = self.stage.cameras().get(camera) {
+            self.fly.put(seen_from(place));
             self.camera = camera;
             self.fly.put(*place);
         }

@@ -3,7 +3,7 @@
 use super::{CameraPath, Experiment, Motion};
 use glam::{Mat4, Vec3};
 use scumble::Camera;
-use scumble::diagnostics::{Diagnostic, Diagnostics, code};
+use scumble::diagnostics::{Diagnostic, Diagnostics, Spanned, code};
 use scumble::file::{Node, Shape};
 
 /// A whole number above 0.
@@ -25,14 +25,15 @@ fn real(node: &Node) -> Option<f32> {
     }
 }
 
-fn camera_number(node: &Node, diagnostics: &mut Diagnostics) -> usize {
-    match node.shape() {
+fn camera_number(node: &Node, diagnostics: &mut Diagnostics) -> Spanned<usize> {
+    let number = match node.shape() {
         Shape::Int(n) if (0..=1 << 16).contains(&n) => n as usize,
         _ => {
             node.mismatch("the number of a camera of the scene", diagnostics);
             0
         }
-    }
+    };
+    Spanned::new(number, node.span().clone())
 }
 
 pub(super) fn camera(node: &Node, diagnostics: &mut Diagnostics) -> Option<CameraPath> {
@@ -40,7 +41,7 @@ pub(super) fn camera(node: &Node, diagnostics: &mut Diagnostics) -> Option<Camer
     let fields = node.expect_fields("a camera path", known, diagnostics)?;
     let mut path = CameraPath {
         name: String::new(),
-        camera: 0,
+        camera: Spanned::new(0, node.opening()),
         motion: Motion::Still,
         frames: 0,
         frame_time: 0.0,
@@ -151,12 +152,13 @@ impl Experiment {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use scumble::diagnostics::{SourceFile, Span};
 
     #[test]
     fn an_orbit_keeps_its_pivot_in_the_middle_of_the_image() {
         let path = CameraPath {
             name: String::new(),
-            camera: 0,
+            camera: Spanned::new(0, Span::new(&SourceFile::new("", ""), 0..0)),
             motion: Motion::Orbit {
                 degrees: 90.0,
                 distance: Some(2.0),

@@ -103,7 +103,7 @@ pub struct CameraPath {
     /// What results call it.
     pub name: String,
     /// Which of the scene's cameras it begins as.
-    pub camera: usize,
+    pub camera: Spanned<usize>,
     /// Where it goes.
     pub motion: Motion,
     /// How many frames there are.
