@@ -32,6 +32,7 @@ pub enum Verb {
     #[command(after_help = levers::HELP)]
     Render(Box<RenderArgs>),
     /// Open a window: fly through a scene, edit its graph while it runs
+    #[command(after_help = levers::HELP)]
     View(Box<ViewArgs>),
     /// Report every mistake of graph files, or what they resolve to, and of WGSL files that are passes
     #[command(after_help = levers::HELP)]

@@ -19,11 +19,11 @@ pub enum Start {
 pub struct Options {
     /// The graph file.
     pub graph: PathBuf,
-    /// A graph file whose frames stand beside it.
+    /// A graph file whose frames stand beside it, without edits.
     pub compare: Option<PathBuf>,
     /// Milliseconds that frames should take.
     pub budget_ms: Option<f64>,
-    /// The command line's changes to it; they hold at every reload.
+    /// The command line's changes to `graph`; they hold at every reload.
     pub edits: Edits,
     /// The scene, where the graph renders one.
     pub scene: Option<Scene>,

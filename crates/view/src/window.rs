@@ -128,10 +128,12 @@ impl<'r> Open<'r> {
         let surface = instance.create_surface(window.clone());
         let surface = surface.map_err(|error| refused(error.to_string()))?;
         let adapter = adapter(&instance, &surface, options.adapter.as_deref())?;
-        let files = [Some(&options.graph), options.compare.as_ref()];
-        let features = files.into_iter().flatten().map(|file| {
+        let plain = Edits::default();
+        let own = (&options.graph, &options.edits);
+        let other = options.compare.as_ref().map(|file| (file, &plain));
+        let features = [own].into_iter().chain(other).map(|(file, edits)| {
             // What is wrong with it is told when it is built.
-            let graph = resolve(file, registry, &Edits::default());
+            let graph = resolve(file, registry, edits);
             graph.map_or(wgpu::Features::empty(), |graph| {
                 Pipeline::requirements(&graph).features
             })

@@ -8,7 +8,7 @@ use scumble_lab::{Gpu, device};
 use scumble_metrics::ColorMap;
 use scumble_scene::GpuScene;
 use scumble_view::drawing::{Clock, Profiler};
-use scumble_view::{Options, Start, View};
+use scumble_view::{Options, Running, Start, View};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -53,6 +53,15 @@ fn picture(view: &View<'_>, side: usize) -> Option<Vec<[f32; 4]>> {
     let picture = view.screen.pictures()[side]?;
     let gpu = &view.stage.gpu;
     Some(readback(&gpu.device, &gpu.queue, picture).unwrap())
+}
+
+/// What the path tracer of a graph spends.
+fn samples(running: &Running<'_>) -> i64 {
+    let (_, pass) = running.pipeline().resolved().pass("path-trace").unwrap();
+    match pass.params.get("samples") {
+        Some(scumble::Value::Int(samples)) => samples,
+        other => panic!("{other:?}"),
+    }
 }
 
 /// Frames until something is so; a second of them is far more than it takes, but for a machine that does much else.
@@ -177,6 +186,27 @@ fn a_graph_beside_itself_is_not_apart_and_another_is() {
 }
 
 #[test]
+fn edits_of_the_command_line_are_of_the_first_graph() {
+    let mut changed = options("path-trace-1spp.ron");
+    changed.compare = Some(changed.graph.clone());
+    changed.edits.set = vec![("path-trace.samples".into(), "2".into())];
+    let Some(mut view) = view(changed) else {
+        return;
+    };
+    let reloaded =
+        |view: &View<'_>| view.running.swaps() == 1 && view.screen.other().unwrap().swaps() == 1;
+    for reload in [false, true] {
+        if reload {
+            // Reads both files again.
+            view.screen.stop_budget(&mut view.running, &view.stage.host);
+            until(&mut view, "reloaded", reloaded);
+        }
+        let both = [&view.running, view.screen.other().unwrap()].map(samples);
+        assert_eq!(both, [2, 1]);
+    }
+}
+
+#[test]
 fn what_is_wrong_with_the_other_graph_is_told_and_both_run_on() {
     let folder = tempfile::tempdir().unwrap();
     let other = folder.path().join("other.ron");
@@ -245,18 +275,7 @@ fn a_budget_is_set_steered_and_taken_back() {
     let Some(mut view) = view(options) else {
         return;
     };
-    let samples = |view: &View<'_>| {
-        let (_, pass) = view
-            .running
-            .pipeline()
-            .resolved()
-            .pass("path-trace")
-            .unwrap();
-        match pass.params.get("samples") {
-            Some(scumble::Value::Int(samples)) => samples,
-            other => panic!("{other:?}"),
-        }
-    };
+    let samples = |view: &View<'_>| samples(&view.running);
     until(&mut view, "steered", |view| samples(view) > 1);
     let steered = samples(&view);
     // A reload does not lose it.

@@ -35,7 +35,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
     pub scale: u32,
     /// Show a second graph beside it, the same frames on both sides of a line to drag, and how far they are apart: the
-    /// second is the reference
+    /// second is the reference, and stays as its file says: --set and --bypass change the first
     #[arg(long, value_name = "GRAPH")]
     pub compare: Option<PathBuf>,
     /// Let every tracer spend as much as makes a frame take so many milliseconds
