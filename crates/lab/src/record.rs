@@ -160,6 +160,17 @@ mod tests {
         assert_eq!(Record::read(&path), Some(equal));
     }
 
+    /// Of any magnitude, bit for bit.
+    #[test]
+    fn numbers_are_read_as_they_were_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("numbers.json");
+        let number = |i: i32| f64::from(i).sqrt() * 10_f64.powi(i % 60 - 30);
+        let numbers: Vec<f64> = (0..2000).map(number).collect();
+        write_json(&path, &numbers).unwrap();
+        assert_eq!(read_json::<Vec<f64>>(&path), Some(numbers));
+    }
+
     #[test]
     fn a_value_is_the_mean_over_frames() {
         assert_eq!(record().value("relmse"), Some(0.2));
