@@ -46,20 +46,16 @@ pub(crate) struct MemberPlan {
     pub fill: Fill,
 }
 
-/// How the bindings of group 0 are filled; checks what the shader declares.
-pub(crate) fn slots(
-    reflection: &Reflection,
+/// How a binding of group 0 is filled; checks what the shader declares.
+pub(crate) fn slot(
+    binding: &Binding,
     info: &PassInfo,
     composed: Option<&Composed>,
-) -> Result<Vec<Slot>, ShaderError> {
-    let own = reflection.bindings.iter().filter(|b| b.group == 0);
-    let slots = own.map(|b| {
-        Ok(Slot {
-            name: b.name.clone(),
-            source: source(b, info, composed)?,
-        })
-    });
-    slots.collect()
+) -> Result<Slot, ShaderError> {
+    Ok(Slot {
+        name: binding.name.clone(),
+        source: source(binding, info, composed)?,
+    })
 }
 
 /// What a member is filled with.
@@ -124,9 +120,11 @@ impl KernelPlan {
         info: &PassInfo,
         composed: Option<&Composed>,
     ) -> Result<KernelPlan, BuildError> {
+        let own = kernel.reflection().bindings.iter().filter(|b| b.group == 0);
+        let slots = own.map(|binding| slot(binding, info, composed));
         Ok(KernelPlan {
             kernel: kernel.clone(),
-            bindings: slots(kernel.reflection(), info, composed)?,
+            bindings: slots.collect::<Result<_, _>>()?,
         })
     }
 
@@ -216,31 +214,14 @@ impl UniformPlan {
         variable: Option<&str>,
         composed: Option<&Composed>,
     ) -> Result<UniformPlan, ShaderError> {
-        let plan = |member: &Member| {
-            let (fill, wanted) = fill_of(&member.name, info);
-            match wanted.filter(|wanted| *wanted != member.ty) {
-                None => Ok(MemberPlan {
-                    member: member.clone(),
-                    fill,
-                }),
-                Some(wanted) => {
-                    let (wanted, found) = (wgsl_member_type(&wanted), wgsl_member_type(&member.ty));
-                    let what = if matches!(fill, Fill::Param(_)) {
-                        "the parameter"
-                    } else {
-                        "the built-in"
-                    };
-                    let message = format!(
-                        "{what} `{}` is {wanted}, and the member is {found}",
-                        member.name
-                    );
-                    Err(at_member(
-                        composed,
-                        variable.unwrap_or_default(),
-                        &member.name,
-                        message,
-                    ))
-                }
+        let plan = |member: &Member| match fill_of(member, info) {
+            Ok(fill) => Ok(MemberPlan {
+                member: member.clone(),
+                fill,
+            }),
+            Err(message) => {
+                let variable = variable.unwrap_or_default();
+                Err(at_member(composed, variable, &member.name, message))
             }
         };
         let members = layout.members.iter().map(plan).collect::<Result<_, _>>()?;
@@ -251,7 +232,25 @@ impl UniformPlan {
     }
 }
 
-pub(crate) fn fill_of(name: &str, info: &PassInfo) -> (Fill, Option<MemberType>) {
+/// What a member is filled with, or that it has another type.
+pub(crate) fn fill_of(member: &Member, info: &PassInfo) -> Result<Fill, String> {
+    let (fill, wanted) = fill_of_name(&member.name, info);
+    let Some(wanted) = wanted.filter(|wanted| *wanted != member.ty) else {
+        return Ok(fill);
+    };
+    let what = match fill {
+        Fill::Param(_) => "the parameter",
+        _ => "the built-in",
+    };
+    Err(format!(
+        "{what} `{}` is {}, and the member is {}",
+        member.name,
+        wgsl_member_type(&wanted),
+        wgsl_member_type(&member.ty)
+    ))
+}
+
+fn fill_of_name(name: &str, info: &PassInfo) -> (Fill, Option<MemberType>) {
     if let Some(i) = info.defs.iter().position(|def| def.name == name) {
         return (Fill::Param(i), param_type(&info.defs[i]));
     }

@@ -28,8 +28,18 @@ pub(super) fn params(
         for member in &layout.members {
             let line = scanned.members.iter().find(|m| m.name.text == member.name);
             let comment = line.and_then(|line| line.comment.as_ref());
-            let filled = fill_of(&member.name, info).0 != Fill::ByHand;
-            match (filled, comment) {
+            let fill = match fill_of(member, info) {
+                Ok(fill) => fill,
+                Err(message) => {
+                    mistakes.push(Mistake {
+                        message,
+                        at: scanned.place(&member.name),
+                        help: String::new(),
+                    });
+                    continue;
+                }
+            };
+            match (fill != Fill::ByHand, comment) {
                 (true, None) => {}
                 // A remark is welcome; what reads as a parameter would never get its value.
                 (true, Some(comment)) => {

@@ -2,7 +2,7 @@
 
 use super::interned;
 use super::mistake::{Mistake, wrong};
-use super::scan::{Scanned, Text};
+use super::scan::{PortComment, Scanned, Text};
 use crate::diagnostics::{hint, listed};
 use crate::port::{FirstFrame, Port, PortSignal, Resolution};
 use crate::registry::Registry;
@@ -13,86 +13,123 @@ const INPUT_HELP: &str = "before the `;` an input may be `optional`, have a `sou
 const OUTPUT_HELP: &str =
     "before the `;` an output may be `alters`, `precise` or `precise if kept`";
 
-/// Inputs and outputs, each in the order of the file.
+/// What a file says of its ports.
+#[derive(Default)]
+pub(super) struct Ports {
+    /// In the order of the file.
+    pub inputs: Vec<Port>,
+    /// In the order of the file.
+    pub outputs: Vec<Port>,
+    /// Variables of ports with a mistake: what they carry is not known.
+    pub doubtful: Vec<String>,
+}
+
+/// Every port with a binding, those with mistakes too: so all else can still be checked.
 pub(super) fn ports(
     scanned: &Scanned<'_>,
     registry: &Registry,
     mistakes: &mut Vec<Mistake>,
-) -> (Vec<Port>, Vec<Port>) {
-    let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
+) -> Ports {
+    let mut ports = Ports::default();
     for comment in &scanned.ports {
-        let at = &comment.text.span;
         let Some(variable) = comment.variable else {
-            mistakes.push(wrong("no binding follows this port", at, PORT_HELP));
+            let message = "no binding follows this port";
+            mistakes.push(wrong(message, &comment.text.span, PORT_HELP));
             continue;
         };
-        match port(&comment.text, variable.starts_with("out_"), registry) {
-            Err(mistake) => mistakes.push(mistake),
-            Ok(port) if variable == port.name => inputs.push(port),
-            Ok(port) if variable.strip_prefix("out_") == Some(port.name) => outputs.push(port),
-            Ok(port) => {
-                let help = format!(
-                    "call the variable `{0}` for an input and `out_{0}` for an output",
-                    port.name
-                );
-                let message = format!(
-                    "the port `{}` stands at the variable `{variable}`",
-                    port.name
-                );
-                mistakes.push(wrong(&message, at, &help));
-            }
+        let before = mistakes.len();
+        let output = variable.strip_prefix("out_");
+        let port = Port::any(interned(output.unwrap_or(variable)));
+        let port = stated(port, comment, output.is_some(), registry, mistakes);
+        match output {
+            Some(_) => ports.outputs.push(port),
+            None => ports.inputs.push(port),
+        }
+        if mistakes.len() > before {
+            ports.doubtful.push(variable.to_owned());
         }
     }
-    check_copies(scanned, &inputs, mistakes);
-    (inputs, outputs)
+    check_copies(scanned, &ports, mistakes);
+    ports
 }
 
 /// `NAME: SIGNAL, RESOLUTION, …; about`
-fn port(comment: &Text<'_>, output: bool, registry: &Registry) -> Result<Port, Mistake> {
+fn stated(
+    mut port: Port,
+    comment: &PortComment<'_>,
+    output: bool,
+    registry: &Registry,
+    mistakes: &mut Vec<Mistake>,
+) -> Port {
+    let comment = &comment.text;
     let (stated, about) = comment.text.split_once(';').unwrap_or((comment.text, ""));
+    port = port.about(interned(about.trim()));
     let Some((name, rest)) = stated.split_once(':') else {
         let message = "a port has a name, a colon, a signal and a resolution";
-        return Err(wrong(message, &comment.span, PORT_HELP));
+        mistakes.push(wrong(message, &comment.span, PORT_HELP));
+        return port;
     };
+    if name.trim() != port.name {
+        let variable = if output { "out_" } else { "" };
+        let message = format!(
+            "the port `{}` stands at the variable `{variable}{}`",
+            name.trim(),
+            port.name
+        );
+        let help = "call the variable of an input as the port, and that of an output `out_NAME`";
+        mistakes.push(wrong(&message, &comment.span, help));
+    }
     let words = comment.part(rest).listed();
-    let mut port = Port::any(interned(name.trim())).about(interned(about.trim()));
-    port.signal = signal(&words[0], registry)?;
-    let Some(resolution) = words.get(1) else {
-        return Err(wrong(
-            "the port has no resolution",
-            &words[0].span,
-            PORT_HELP,
-        ));
-    };
-    port.resolution = match resolution.text {
-        "full" => Resolution::Full,
-        "grid" => Resolution::Grid,
-        "any" => Resolution::Any,
-        other => {
-            let message = format!("`{other}` is no resolution");
-            return Err(wrong(&message, &resolution.span, PORT_HELP));
+    match signal(&words[0], registry) {
+        Ok(signal) => port.signal = signal,
+        Err(mistake) => mistakes.push(mistake),
+    }
+    match words.get(1).map(|word| (word, resolution(word.text))) {
+        Some((_, Some(resolution))) => port.resolution = resolution,
+        Some((word, None)) => {
+            let message = format!("`{}` is no resolution", word.text);
+            mistakes.push(wrong(&message, &word.span, PORT_HELP));
         }
-    };
-    for word in &words[2..] {
-        let help = if output { OUTPUT_HELP } else { INPUT_HELP };
-        let refused = |message: String| Err(wrong(&message, &word.span, help));
+        None => {
+            let message = "the port has no resolution";
+            mistakes.push(wrong(message, &words[0].span, PORT_HELP));
+        }
+    }
+    for word in words.iter().skip(2) {
+        let mut refused = |message: String| {
+            let help = if output { OUTPUT_HELP } else { INPUT_HELP };
+            mistakes.push(wrong(&message, &word.span, help));
+        };
         port = match (output, word.text, word.text.split_once(' ')) {
             (false, "optional", _) => port.optional(),
             (false, _, Some(("source", source))) => port.source(interned(source.trim())),
             (false, _, Some(("first", rule))) => match first(rule.trim()) {
                 Some(rule) => port.first(rule),
                 None => {
-                    return refused(format!("`{}` is no rule for the first frame", rule.trim()));
+                    refused(format!("`{}` is no rule for the first frame", rule.trim()));
+                    port
                 }
             },
             (true, "alters", _) => port.alters(),
             (true, "precise", _) => port.precise(),
             (true, "precise if kept", _) => port.precise_if_kept(),
-            (true, other, _) => return refused(format!("an output cannot be `{other}`")),
-            (false, other, _) => return refused(format!("an input cannot be `{other}`")),
+            (_, other, _) => {
+                let which = if output { "an output" } else { "an input" };
+                refused(format!("{which} cannot be `{other}`"));
+                port
+            }
         };
     }
-    Ok(port)
+    port
+}
+
+fn resolution(word: &str) -> Option<Resolution> {
+    match word {
+        "full" => Some(Resolution::Full),
+        "grid" => Some(Resolution::Grid),
+        "any" => Some(Resolution::Any),
+        _ => None,
+    }
 }
 
 fn signal(word: &Text<'_>, registry: &Registry) -> Result<PortSignal, Mistake> {
@@ -127,11 +164,16 @@ fn first(rule: &str) -> Option<FirstFrame> {
 }
 
 /// What is copied in the first frame is another input of the same signal and resolution.
-fn check_copies(scanned: &Scanned<'_>, inputs: &[Port], mistakes: &mut Vec<Mistake>) {
+fn check_copies(scanned: &Scanned<'_>, ports: &Ports, mistakes: &mut Vec<Mistake>) {
+    let inputs = &ports.inputs;
+    let doubtful = |name: &str| ports.doubtful.iter().any(|port| port == name);
     for port in inputs {
         let Some(FirstFrame::Copy(name)) = port.first else {
             continue;
         };
+        if doubtful(port.name) || doubtful(name) {
+            continue;
+        }
         let fits = |other: &&Port| {
             other.name != port.name
                 && (other.signal, other.resolution) == (port.signal, port.resolution)

@@ -4,10 +4,10 @@ use framegraph::{Binding, BindingAccess, BindingKind, Reflection};
 
 use super::mistake::{Mistake, errors, placed};
 use super::params::params;
-use super::ports::{PORT_HELP, ports};
+use super::ports::{PORT_HELP, Ports, ports};
 use super::scan::{Scanned, scan};
 use crate::context::PassInfo;
-use crate::kernel_plan::{Source, slots};
+use crate::kernel_plan::{Source, slot};
 use crate::params::ParamDef;
 use crate::pass::SkySide;
 use crate::port::Port;
@@ -31,16 +31,17 @@ pub(super) fn read(
 ) -> Result<Facts, Vec<WgslPassError>> {
     let mut mistakes = Vec::new();
     let scanned = scan(text);
-    let (inputs, outputs) = ports(&scanned, registry, &mut mistakes);
+    let Ports {
+        inputs,
+        outputs,
+        doubtful,
+    } = ports(&scanned, registry, &mut mistakes);
     if outputs.is_empty() && mistakes.is_empty() {
         mistakes.push(Mistake {
             message: "the file has no output".to_owned(),
             at: None,
             help: PORT_HELP.to_owned(),
         });
-    }
-    if !mistakes.is_empty() {
-        return Err(errors(mistakes, text));
     }
     let info = PassInfo {
         name: name.to_owned(),
@@ -53,31 +54,45 @@ pub(super) fn read(
         any_grid: 1,
         sky: SkySide::Direct,
     };
-    let in_file = |e: &ShaderError| errors(vec![placed(name, text, e)], text);
-    let composed = compose_for(name, text, registry, &info).map_err(|e| in_file(&e))?;
-    let reflection = Reflection::of(composed.wgsl(), "main")
-        .map_err(|e| in_file(&composed.explain(&e.message, &e.labels)))?;
+    let (composed, reflection) = match reflect(name, text, registry, &info) {
+        Ok(both) => both,
+        Err(error) => {
+            // What is told of the ports may be all that is wrong.
+            if mistakes.is_empty() {
+                mistakes.push(placed(name, text, &error));
+            }
+            return Err(errors(mistakes, text));
+        }
+    };
     let params = params(&scanned, &reflection, &info, &mut mistakes);
     let info = PassInfo {
         defs: params,
         ..info
     };
-    let bound = check_bindings(&scanned, &reflection, &info, &mut mistakes);
-    if bound {
-        check_use(&scanned, &reflection, &info, &mut mistakes);
-    }
-    match slots(&reflection, &info, Some(&composed)) {
-        Err(e) => mistakes.push(placed(name, text, &e)),
-        Ok(slots) if bound => {
-            let by_hand = slots.iter().filter(|s| matches!(s.source, Source::ByHand));
-            mistakes.extend(by_hand.map(|slot| Mistake {
-                message: format!("the binding `{}` is no port", slot.name),
-                at: scanned.place(&slot.name),
-                help: PORT_HELP.to_owned(),
-            }));
+    for binding in &reflection.bindings {
+        let mut wrong = |what: &str, help: &str| {
+            mistakes.push(Mistake {
+                message: format!("the binding `{}` {what}", binding.name),
+                at: scanned.place(&binding.name),
+                help: help.to_owned(),
+            });
+        };
+        if let Some((what, help)) = cannot_be(binding, &info) {
+            wrong(what, help);
+            continue;
         }
-        Ok(_) => {}
+        // The parameters are checked, and what a port with a mistake carries is not known.
+        let is_uniform = matches!(binding.kind, BindingKind::Uniform(_));
+        if is_uniform || doubtful.contains(&binding.name) {
+            continue;
+        }
+        match slot(binding, &info, Some(&composed)) {
+            Ok(slot) if matches!(slot.source, Source::ByHand) => wrong("is no port", PORT_HELP),
+            Ok(_) => {}
+            Err(error) => mistakes.push(placed(name, text, &error)),
+        }
     }
+    check_use(&scanned, &reflection, &info, &mut mistakes);
     if !mistakes.is_empty() {
         return Err(errors(mistakes, text));
     }
@@ -101,6 +116,19 @@ pub(super) fn read(
     })
 }
 
+/// The shader as it is compiled, and what it declares.
+fn reflect(
+    name: &str,
+    text: &str,
+    registry: &Registry,
+    info: &PassInfo,
+) -> Result<(Composed, Reflection), ShaderError> {
+    let composed = compose_for(name, text, registry, info)?;
+    let reflection = Reflection::of(composed.wgsl(), "main")
+        .map_err(|e| composed.explain(&e.message, &e.labels))?;
+    Ok((composed, reflection))
+}
+
 fn compose_for(
     name: &str,
     text: &str,
@@ -121,26 +149,7 @@ fn compose_for(
     compose(name, text, registry.modules(), &defines)
 }
 
-/// Whether everything that the shader binds can be a port, the parameters or a sampler.
-fn check_bindings(
-    scanned: &Scanned<'_>,
-    reflection: &Reflection,
-    info: &PassInfo,
-    mistakes: &mut Vec<Mistake>,
-) -> bool {
-    let before = mistakes.len();
-    for binding in &reflection.bindings {
-        if let Some((what, help)) = cannot_be(binding, info) {
-            mistakes.push(Mistake {
-                message: format!("the binding `{}` {what}", binding.name),
-                at: scanned.place(&binding.name),
-                help: help.to_owned(),
-            });
-        }
-    }
-    mistakes.len() == before
-}
-
+/// Why a binding can be no port, no parameters and no sampler.
 fn cannot_be(binding: &Binding, info: &PassInfo) -> Option<(&'static str, &'static str)> {
     const RUST: &str = "a pass that needs more is written in Rust: `scumble new pass`";
     if binding.group != 0 {

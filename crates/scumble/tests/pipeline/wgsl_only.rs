@@ -160,20 +160,23 @@ fn a_file_has_choices_and_angles() {
     assert_eq!(errors[0].message, "`mode` has no choice `Sub`");
 }
 
+/// Message and place of every mistake in a text.
+fn mistakes(text: &str) -> Vec<(String, &str)> {
+    let errors = wgsl_pass("gain.wgsl", text, &Registry::new());
+    let place = |span: Option<std::ops::Range<usize>>| span.map_or("", |span| &text[span]);
+    let errors = errors.err().unwrap().into_iter();
+    errors.map(|e| (e.message, place(e.span))).collect()
+}
+
 #[test]
 fn mistakes_have_a_place() {
+    // Nothing else is told that follows from the mistake.
     let wrong = |from: &str, to: &str| {
         assert!(GAIN.contains(from), "{from}");
         let text = GAIN.replacen(from, to, 1);
-        let errors = wgsl_pass("gain.wgsl", &text, &Registry::new())
-            .err()
-            .unwrap();
-        let at = errors[0]
-            .span
-            .clone()
-            .map(|span| text[span].to_owned())
-            .unwrap_or_default();
-        (errors[0].message.clone(), at)
+        let all = mistakes(&text);
+        assert_eq!(all.len(), 1, "{all:?}");
+        (all[0].0.clone(), all[0].1.to_owned())
     };
     let is = |(message, at): (String, String), expected: &str, place: &str| {
         assert_eq!((message.as_str(), at.as_str()), (expected, place));
@@ -257,7 +260,7 @@ fn mistakes_have_a_place() {
     is(
         wrong(
             "binding(2) var weight",
-            "binding(9) var<storage> list: array<f32>;\n// port weight: variance, any\n@group(0) @binding(2) var weight",
+            "binding(2) var weight: texture_2d<f32>; // port weight: variance, any\n// port weight: variance, any\n//",
         ),
         "no binding follows this port",
         "weight: variance, any",
@@ -277,5 +280,44 @@ fn mistakes_have_a_place() {
     assert!(
         message.starts_with("`out_value` is rgba8unorm") && at == "out_value",
         "{message} at `{at}`"
+    );
+}
+
+#[test]
+fn all_mistakes_of_the_comments_are_told_at_once() {
+    let mut text = GAIN.to_owned();
+    for (from, to) in [
+        (
+            "weight: variance, any, optional",
+            "weight: varianze, half, maybe",
+        ),
+        ("value: any, any; the image", "valeu: any, any; the image"),
+        ("gain: f32, // 2.0", "gain: f32, // 20.0"),
+        ("; added", " to 3; added"),
+        ("frame_index: u32", "frame_index: i32"),
+        (
+            "@binding(0) var<uniform>",
+            "@binding(9) var other: texture_2d<f32>;\n@group(0) @binding(0) var<uniform>",
+        ),
+        ("var v =", "_ = textureLoad(other, id.xy, 0); var v ="),
+    ] {
+        assert!(text.contains(from), "{from}");
+        text = text.replacen(from, to, 1);
+    }
+    let all = mistakes(&text);
+    let places: Vec<_> = all.iter().map(|(_, place)| *place).collect();
+    assert_eq!(
+        places,
+        [
+            "valeu: any, any; the image",
+            "varianze",
+            "half",
+            "maybe",
+            "20.0 in 0..10, EV; factor on every channel",
+            "(1.0, 0.5, 0.0) to 3; added",
+            "frame_index",
+            "other",
+        ],
+        "{all:?}"
     );
 }
