@@ -1,6 +1,6 @@
 //! What can be wrong with a scene, said with where and what to do.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::builtin::BUILTIN_NAMES;
 
@@ -166,19 +166,5 @@ impl SceneError {
 
     pub(crate) fn not_gltf(why: impl Into<String>) -> Self {
         Self::NotGltf { why: why.into() }
-    }
-
-    /// The same, with the file in which it happened. Errors about files as such stay.
-    pub(crate) fn in_file(self, path: &Path) -> Self {
-        match self {
-            Self::NotFound { .. }
-            | Self::Read { .. }
-            | Self::Write { .. }
-            | Self::Format { .. } => self,
-            _ => Self::InFile {
-                path: path.to_owned(),
-                error: Box::new(self),
-            },
-        }
     }
 }

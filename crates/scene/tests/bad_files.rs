@@ -146,6 +146,18 @@ fn missing_texture() {
 }
 
 #[test]
+fn missing_buffer() {
+    let folder = tempfile::tempdir().unwrap();
+    let [path, buffer] = ["box.gltf", "box.bin"].map(|name| folder.path().join(name));
+    scumble_scene::export(&builtin("cornell").unwrap(), &path).unwrap();
+    std::fs::remove_file(&buffer).unwrap();
+    let error = load(&path, &LoadOptions::default()).unwrap_err();
+    // What the system says follows.
+    let expected = format!("`{}`: cannot read `{}`: ", path.display(), buffer.display());
+    assert!(error.to_string().starts_with(&expected), "{error}");
+}
+
+#[test]
 fn required_extension() {
     let bytes = with(|document, _| {
         document["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);

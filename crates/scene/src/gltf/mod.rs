@@ -57,7 +57,10 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     container::parse(&bytes, Some(folder))
         .and_then(|file| import(&file, &name, options))
-        .map_err(|error| error.in_file(path))
+        .map_err(|error| SceneError::InFile {
+            path: path.to_owned(),
+            error: Box::new(error),
+        })
 }
 
 /// Loads a .glb or a .gltf with embedded data from memory, as a scene called `name`.
