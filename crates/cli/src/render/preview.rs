@@ -1,11 +1,12 @@
 //! Signals as images: numbers for EXR, something to look at for PNG.
 
-use scumble::{Signal, octahedral, signal};
+use scumble::{Signal, octahedral};
 use scumble_metrics::Image;
+use scumble_view::display::Look;
 
 /// A dump as EXR and PNG. In the EXR a normal is its three components, a single integer its low 16
 /// bits in R and its high 16 bits in G, several integers are R, G and B, a scalar is grey, and anything
-/// else is as it is. In the PNG scalars, motion and each of several integers are scaled to their
+/// else is as it is. In the PNG scalars, what has a sign and each of several integers are scaled to their
 /// largest value, sky and holes are black, a mask is white where it is set, and any other integer has
 /// a colour of its own.
 pub fn images(signal: Signal, size: [u32; 2], texels: &[[f32; 4]]) -> [Image; 2] {
@@ -15,9 +16,10 @@ pub fn images(signal: Signal, size: [u32; 2], texels: &[[f32; 4]]) -> [Image; 2]
         data: texels.iter().map(f).collect(),
     };
     let colour = |t: &[f32; 4]| [t[0], t[1], t[2]];
-    match Look::of(signal) {
-        Look::Display => [image(&colour), image(&|t| colour(t).map(finite))],
-        Look::Colour => [
+    let look = Look::of(signal);
+    match look {
+        Look::Encoded => [image(&colour), image(&|t| colour(t).map(finite))],
+        Look::Light => [
             image(&colour),
             image(&|t| colour(t).map(scumble_metrics::srgb_from_linear)),
         ],
@@ -25,14 +27,14 @@ pub fn images(signal: Signal, size: [u32; 2], texels: &[[f32; 4]]) -> [Image; 2]
             let normal = |t: &[f32; 4]| octahedral::decode(t[0].to_bits()).to_array();
             [image(&normal), image(&|t| normal(t).map(|x| 0.5 * x + 0.5))]
         }
-        Look::Integer => {
+        Look::Identity | Look::Mask => {
             let halves = |t: &[f32; 4]| {
                 let bits = t[0].to_bits();
                 [(bits & 0xffff) as f32, (bits >> 16) as f32, 0.0]
             };
-            let shown = |t: &[f32; 4]| match signal == signal::MASK {
-                true => [f32::from(u8::from(t[0].to_bits() != 0)); 3],
-                false => hashed(t[0].to_bits()),
+            let shown = |t: &[f32; 4]| match look {
+                Look::Mask => [f32::from(u8::from(t[0].to_bits() != 0)); 3],
+                _ => hashed(t[0].to_bits()),
             };
             [image(&halves), image(&shown)]
         }
@@ -50,7 +52,7 @@ pub fn images(signal: Signal, size: [u32; 2], texels: &[[f32; 4]]) -> [Image; 2]
             };
             [image(&numbers), image(&shown)]
         }
-        Look::Scalar => {
+        Look::Scalar | Look::Depth => {
             let scale = largest(texels, 1);
             let shown = |t: &[f32; 4]| {
                 if is_value(t[0]) {
@@ -71,39 +73,6 @@ pub fn images(signal: Signal, size: [u32; 2], texels: &[[f32; 4]]) -> [Image; 2]
                 }
             };
             [image(&colour), image(&|t| colour(t).map(shown))]
-        }
-    }
-}
-
-enum Look {
-    Display,
-    Colour,
-    Normal,
-    Integer,
-    Integers,
-    Scalar,
-    Signed,
-}
-
-impl Look {
-    fn of(signal: Signal) -> Look {
-        use wgpu::TextureFormat as F;
-        let is = |all: &[Signal]| all.contains(&signal);
-        if is(&[signal::DISPLAY]) {
-            return Look::Display;
-        }
-        if is(&[signal::NORMAL, signal::GEO_NORMAL]) {
-            return Look::Normal;
-        }
-        if is(&[signal::POSITION]) {
-            return Look::Signed;
-        }
-        match signal.format() {
-            F::R32Uint => Look::Integer,
-            F::Rg32Uint | F::Rgba32Uint => Look::Integers,
-            F::R32Float | F::R16Float => Look::Scalar,
-            F::Rg32Float | F::Rg16Float => Look::Signed,
-            _ => Look::Colour,
         }
     }
 }
@@ -143,6 +112,7 @@ fn hashed(word: u32) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use scumble::signal;
 
     fn png(signal: Signal, texels: &[[f32; 4]]) -> Vec<[f32; 3]> {
         let [_, png] = images(signal, [texels.len() as u32, 1], texels);
