@@ -1,6 +1,7 @@
 //! The interface: bars, the panel of passes, the image, and what stands over it.
 
 use crate::panel::{Asked, panel};
+use crate::rows::room;
 use crate::screen::panels;
 use crate::view::View;
 use egui::{Align, CentralPanel, Color32, ComboBox, Frame, Layout, Panel, RichText, ScrollArea};
@@ -13,7 +14,11 @@ const MARKS: usize = 50;
 /// Draws everything, and does what is asked for.
 pub fn show(ui: &mut Ui, view: &mut View<'_>, images: [Option<TextureId>; 2], now: Instant) {
     if view.panels {
-        Panel::top("controls").show(ui, |ui| controls(ui, view));
+        Panel::top("controls").show(ui, |ui| {
+            view.controls = view.controls.of(ui, |ui| {
+                ui.horizontal_wrapped(|ui| controls(ui, view));
+            });
+        });
         Panel::bottom("status").show(ui, |ui| status(ui, view));
         let side = Panel::left("passes").default_size(300.0).resizable(true);
         side.show(ui, |ui| graph(ui, view));
@@ -27,56 +32,57 @@ pub fn show(ui: &mut Ui, view: &mut View<'_>, images: [Option<TextureId>; 2], no
 
 /// Time, camera, resolution and pictures.
 fn controls(ui: &mut Ui, view: &mut View<'_>) {
-    ui.horizontal(|ui| {
-        let length = view.clock.length();
-        if length > 0.0 {
-            let name = if view.clock.playing { "pause" } else { "play" };
-            if ui.button(name).on_hover_text("Space").clicked() {
-                view.clock.toggle();
+    let length = view.clock.length();
+    if length > 0.0 {
+        let name = if view.clock.playing { "pause" } else { "play" };
+        if ui.button(name).on_hover_text("Space").clicked() {
+            view.clock.toggle();
+        }
+        let mut time = view.clock.time();
+        room(ui, 190.0);
+        let slider = egui::Slider::new(&mut time, 0.0..=length).suffix(" s");
+        if ui
+            .add(slider)
+            .on_hover_text("seconds into the animation")
+            .changed()
+        {
+            view.clock.scrub(time);
+        }
+        ui.separator();
+    }
+    room(ui, 130.0);
+    camera(ui, view);
+    room(ui, 80.0);
+    let mut scale = view.scale;
+    ComboBox::from_id_salt("scale")
+        .selected_text(format!("1 : {scale}"))
+        .width(50.0)
+        .show_ui(ui, |ui| {
+            for n in [1, 2, 3, 4, 8] {
+                ui.selectable_value(&mut scale, n, format!("1 : {n}"));
             }
-            let mut time = view.clock.time();
-            let slider = egui::Slider::new(&mut time, 0.0..=length).suffix(" s");
-            if ui
-                .add(slider)
-                .on_hover_text("seconds into the animation")
-                .changed()
-            {
-                view.clock.scrub(time);
-            }
-            ui.separator();
-        }
-        camera(ui, view);
-        let mut scale = view.scale;
-        ComboBox::from_id_salt("scale")
-            .selected_text(format!("1 : {scale}"))
-            .width(50.0)
-            .show_ui(ui, |ui| {
-                for n in [1, 2, 3, 4, 8] {
-                    ui.selectable_value(&mut scale, n, format!("1 : {n}"));
-                }
-            })
-            .response
-            .on_hover_text("image pixels to window pixels");
-        view.scale = scale;
-        let restart = ui
-            .button("restart")
-            .on_hover_text("R: every history starts anew");
-        if restart.clicked() {
-            view.restart();
-        }
-        let picture = ui
-            .button("picture")
-            .on_hover_text("P: the image as PNG and EXR");
-        if picture.clicked() {
-            view.screenshot();
-        }
-        let hide = ui
-            .button("hide")
-            .on_hover_text("H: the image alone; H again shows the panels");
-        if hide.clicked() {
-            view.toggle_panels();
-        }
-    });
+        })
+        .response
+        .on_hover_text("image pixels to window pixels");
+    view.scale = scale;
+    let restart = ui
+        .button("restart")
+        .on_hover_text("R: every history starts anew");
+    if restart.clicked() {
+        view.restart();
+    }
+    let picture = ui
+        .button("picture")
+        .on_hover_text("P: the image as PNG and EXR");
+    if picture.clicked() {
+        view.screenshot();
+    }
+    let hide = ui
+        .button("hide")
+        .on_hover_text("H: the image alone; H again shows the panels");
+    if hide.clicked() {
+        view.toggle_panels();
+    }
 }
 
 fn camera(ui: &mut Ui, view: &mut View<'_>) {

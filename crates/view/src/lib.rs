@@ -16,6 +16,7 @@ pub mod interface;
 mod message;
 mod options;
 mod panel;
+mod rows;
 mod running;
 mod save;
 mod screen;

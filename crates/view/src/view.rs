@@ -5,6 +5,7 @@ use crate::error::ViewError;
 use crate::fly::{Fly, Held};
 use crate::message::Message;
 use crate::options::{Options, Start};
+use crate::rows::Rows;
 use crate::running::Running;
 use crate::save::{self, SaveError};
 use crate::screen::Screen;
@@ -48,6 +49,8 @@ pub struct View<'r> {
     pub variant: String,
     /// What was done last, for the status line.
     pub message: Message,
+    /// The rows above the picture.
+    pub(crate) controls: Rows,
     registry: &'r Registry,
     written: Written,
     cut: bool,
@@ -105,6 +108,7 @@ impl<'r> View<'r> {
             clock: Clock::new(length),
             held: Held::default(),
             camera: number,
+            controls: Rows::default(),
             scale,
             panels: true,
             variant: variant.display().to_string(),

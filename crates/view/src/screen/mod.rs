@@ -12,6 +12,7 @@ use crate::display::{Channels, Range, Settings, Statistics};
 use crate::drawing::Canvas;
 use crate::error::ViewError;
 use crate::options::Options;
+use crate::rows::Rows;
 use crate::running::Running;
 use crate::stage::Stage;
 use cursor::Cursor;
@@ -63,8 +64,8 @@ pub struct Screen<'r> {
     which: usize,
     /// What the drawing was made of: the graph, its reloads, its bypasses.
     drawing: Option<(usize, u32, Vec<bool>)>,
-    /// Width and height of the rows below the picture.
-    rows: [f32; 2],
+    /// The rows below the picture.
+    rows: Rows,
 }
 
 impl<'r> Screen<'r> {
@@ -107,7 +108,7 @@ impl<'r> Screen<'r> {
             canvas: Canvas::default(),
             which: 0,
             drawing: None,
-            rows: [0.0; 2],
+            rows: Rows::default(),
         })
     }
 

@@ -3,6 +3,7 @@
 use super::{Screen, Wanted};
 use crate::display::{Channels, Look, Range, components};
 use crate::drawing::Action;
+use crate::rows::room;
 use crate::running::Running;
 use crate::view::View;
 use egui::{Color32, ComboBox, DragValue, Label, Panel, Pos2, Rect, RichText, Slider};
@@ -17,17 +18,11 @@ pub(crate) fn below(ui: &mut Ui, view: &mut View<'_>) {
         panel.show(ui, |ui| graph(ui, view));
     }
     Panel::bottom("look").show(ui, |ui| {
-        // What wraps in a narrow window keeps the room that it once took: another height would be another size of the image.
-        let width = ui.available_width();
-        let height = match view.screen.rows {
-            [known, height] if known == width => height,
-            _ => 0.0,
-        };
-        ui.set_min_height(height);
-        ui.horizontal_wrapped(|ui| look(ui, view));
-        ui.horizontal_wrapped(|ui| numbers(ui, view));
-        ui.horizontal(|ui| values(ui, &view.screen));
-        view.screen.rows = [width, ui.min_rect().height()];
+        view.screen.rows = view.screen.rows.of(ui, |ui| {
+            ui.horizontal_wrapped(|ui| look(ui, view));
+            ui.horizontal_wrapped(|ui| numbers(ui, view));
+            ui.horizontal(|ui| values(ui, &view.screen));
+        });
     });
 }
 
@@ -82,14 +77,6 @@ fn look(ui: &mut Ui, view: &mut View<'_>) {
     }
     ui.checkbox(&mut wanted.settings.highlight, "faults")
         .on_hover_text("magenta where a value is infinite or NaN, blue where one is negative that should not be");
-}
-
-/// Begins a new row for a widget of this width where the present one has less left: those that are made of several do not
-/// wrap by themselves.
-fn room(ui: &mut Ui, width: f32) {
-    if ui.available_size_before_wrap().x < width {
-        ui.end_row();
-    }
 }
 
 fn colours(ui: &mut Ui, wanted: &mut Wanted) {

@@ -13,6 +13,7 @@ const SIZE: [u32; 2] = [900, 600];
 /// Interface and clock.
 struct Desk<'r> {
     view: View<'r>,
+    size: [u32; 2],
     context: egui::Context,
     now: Instant,
 }
@@ -24,6 +25,7 @@ impl<'r> Desk<'r> {
     fn new(view: View<'r>) -> Desk<'r> {
         Desk {
             view,
+            size: SIZE,
             context: egui::Context::default(),
             now: Instant::now(),
         }
@@ -38,7 +40,7 @@ impl<'r> Desk<'r> {
     fn frame(&mut self) -> Texts {
         self.now += Duration::from_millis(100);
         self.view.frame(self.now).unwrap();
-        let size = SIZE.map(|n| n as f32);
+        let size = self.size.map(|n| n as f32);
         let input = RawInput {
             screen_rect: Some(Rect::from_min_size(Pos2::ZERO, size.into())),
             ..RawInput::default()
@@ -108,6 +110,31 @@ fn a_small_window_shows_all_of_two_graphs_and_a_budget() {
         is_seen(&texts, "the graph on the left"),
         "whose panels they are: {texts:#?}"
     );
+}
+
+#[test]
+fn a_narrow_window_shows_all_controls() {
+    let Some(gpu) = gpu() else { return };
+    let (folder, registry) = (Folder::new(), registry());
+    let options = Options {
+        scene: scumble_scene::builtin("moving"),
+        ..options(&folder, SIZE)
+    };
+    let mut desk = Desk::new(View::new(options, &registry, gpu).unwrap());
+    let row = |texts: &Texts, name: &str| {
+        let found = texts.iter().find(|(text, ..)| text == name);
+        let (_, place, _) = found.unwrap_or_else(|| panic!("`{name}` of {texts:#?}"));
+        place.center().y
+    };
+    let texts = desk.settle();
+    // Letters of different heights.
+    assert!((row(&texts, "pause") - row(&texts, "hide")).abs() < 3.0);
+    desk.size[0] = 360;
+    let texts = desk.settle();
+    for text in ["pause", "1 : 2", "restart", "picture", "hide"] {
+        assert!(is_seen(&texts, text), "`{text}` of {texts:#?}");
+    }
+    assert!(row(&texts, "hide") > row(&texts, "pause") + 10.0);
 }
 
 #[test]
