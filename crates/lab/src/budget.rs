@@ -101,13 +101,17 @@ pub fn spend(graph: &mut Resolved, paths: f64) -> Vec<Spending> {
 pub fn spent_params(graph: &Resolved, paths: f64) -> Vec<(String, Value)> {
     let mut graph = graph.clone();
     spend(&mut graph, paths);
+    budget_values(&graph)
+}
+
+/// The parameters that [`spend`] sets, with their values.
+pub(crate) fn budget_values(graph: &Resolved) -> Vec<(String, Value)> {
     let of = |param: String| {
         let (pass, name) = param.rsplit_once('.')?;
-        let (_, pass) = graph.pass(pass)?;
-        let value = pass.params.get(name)?;
+        let value = graph.pass(pass)?.1.params.get(name)?;
         Some((param, value))
     };
-    budget_params(&graph).into_iter().filter_map(of).collect()
+    budget_params(graph).into_iter().filter_map(of).collect()
 }
 
 /// Sets a parameter as near to a value as its range allows.

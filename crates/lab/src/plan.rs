@@ -1,6 +1,6 @@
 //! What an experiment becomes: the variants, and every run.
 
-use crate::budget::{Spending, budget_params, spend, spending};
+use crate::budget::{Spending, budget_params, budget_values, spend, spending};
 use crate::experiment::{Budget, CameraPath, Experiment, Factor, GraphChoice, Motion};
 use crate::mistakes::whole;
 use scumble::diagnostics::{Span, Spanned};
@@ -278,7 +278,9 @@ impl Planner<'_> {
         let written = edits.written_set.iter();
         let written = written.map(|(param, value)| (param.value.clone(), value.text().to_owned()));
         let kept = written.filter(|(param, _)| budget.iter().all(|(taken, _)| taken != param));
-        for (param, value) in kept.chain(budget.iter().cloned()) {
+        let budget = budget.iter();
+        let budget = budget.map(|(param, value)| (param.clone(), value.to_string()));
+        for (param, value) in kept.chain(budget) {
             options.extend(["--set".into(), format!("{param}={value}")]);
         }
         for pattern in &edits.written_bypass {
@@ -399,8 +401,6 @@ impl Planner<'_> {
     }
 }
 
-fn design(
-    experiment: &Experiment,
 fn reference(experiment: &Experiment, registry: &Registry) -> Result<Resolved, Diagnostics> {
     let edits = Edits::default();
     match &experiment.reference.graph {
@@ -412,6 +412,8 @@ fn reference(experiment: &Experiment, registry: &Registry) -> Result<Resolved, D
     }
 }
 
+fn design(
+    experiment: &Experiment,
     variants: &[Variant],
     factorial: Option<Factorial>,
     sweep: Option<Sweep>,
@@ -459,16 +461,6 @@ fn reference(experiment: &Experiment, registry: &Registry) -> Result<Resolved, D
         reference_samples: experiment.reference.samples,
         reference_files: experiment.reference.files.as_ref().map(|f| f.value.clone()),
     }
-}
-
-/// The parameters that the budget sets, with their values.
-fn budget_values(graph: &Resolved) -> Vec<(String, String)> {
-    let of = |param: String| {
-        let (pass, name) = param.rsplit_once('.')?;
-        let value = graph.pass(pass)?.1.params.get(name)?.to_string();
-        Some((param, value))
-    };
-    budget_params(graph).into_iter().filter_map(of).collect()
 }
 
 /// The command that runs an experiment.

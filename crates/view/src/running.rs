@@ -89,6 +89,12 @@ impl<'r> Running<'r> {
         &self.path
     }
 
+    /// What the graph file is called, without folder and ending.
+    pub fn name(&self) -> String {
+        let stem = self.path.file_stem().unwrap_or_default();
+        stem.to_string_lossy().into_owned()
+    }
+
     /// The command line's changes.
     pub fn base(&self) -> &Edits {
         &self.base

@@ -94,12 +94,8 @@ impl<'r> View<'r> {
             running.take_shaders(folder, host);
         }
         let screen = Screen::new(&options, registry, &stage, size)?;
-        let stem = options
-            .graph
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy();
-        let variant = options.graph.with_file_name(format!("{stem}-edited.ron"));
+        let variant = format!("{}-edited.ron", running.name());
+        let variant = options.graph.with_file_name(variant);
         Ok(View {
             stage,
             running,
@@ -108,11 +104,11 @@ impl<'r> View<'r> {
             clock: Clock::new(length),
             held: Held::default(),
             camera: number,
-            controls: Rows::default(),
             scale,
             panels: true,
             variant: variant.display().to_string(),
             message: Message::default(),
+            controls: Rows::default(),
             registry,
             written: Written::default(),
             cut: false,
@@ -224,14 +220,12 @@ impl<'r> View<'r> {
         if let Some(place) = self.stage.cameras().get(camera) {
             self.fly.put(seen_from(place));
             self.camera = camera;
-            self.fly.put(*place);
         }
     }
 
     /// Writes the last frame as PNG and EXR into the working directory.
     pub fn screenshot(&mut self) {
-        let stem = self.running.path().file_stem().unwrap_or_default();
-        let name = stem.to_string_lossy().into_owned();
+        let name = self.running.name();
         let pipeline = self.running.pipeline();
         let files = screenshot(&self.stage.gpu, pipeline, Path::new(""), &name);
         self.message = Message::of_files(files);

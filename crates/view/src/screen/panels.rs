@@ -9,7 +9,6 @@ use crate::view::View;
 use egui::{Color32, ComboBox, DragValue, Label, Panel, Pos2, Rect, RichText, Slider};
 use egui::{TextureId, Ui, pos2};
 use scumble_metrics::ColorMap;
-use std::path::Path;
 
 /// The panels below the pictures: the drawn graph, and above it how a port is shown.
 pub(crate) fn below(ui: &mut Ui, view: &mut View<'_>) {
@@ -237,12 +236,8 @@ impl Screen<'_> {
 
     /// What the graphs are called.
     pub(crate) fn names(&self, running: &Running<'_>) -> [String; 2] {
-        let stem = |path: &Path| {
-            let stem = path.file_stem().unwrap_or_default();
-            stem.to_string_lossy().into_owned()
-        };
-        let other = self.other.as_ref().map(|other| stem(other.running.path()));
-        [stem(running.path()), other.unwrap_or_default()]
+        let other = self.other.as_ref().map(|other| other.running.name());
+        [running.name(), other.unwrap_or_default()]
     }
 
     /// Draws the pictures into `area`; `hover` is where the cursor is. Gives why there is nothing to draw, if that is so.
