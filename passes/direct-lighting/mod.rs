@@ -33,7 +33,7 @@ pub struct DirectLighting(PixelTracer);
 impl Pass for DirectLighting {
     type Params = DirectLightingParams;
     const NAME: &'static str = "direct-lighting";
-    const ABOUT: &'static str = "light that reaches the visible point straight from an emitter";
+    const ABOUT: &'static str = "Light that reaches the visible point straight from an emitter";
     const README: &'static str = include_str!("README.md");
 
     fn inputs() -> Vec<Port> {

@@ -28,7 +28,7 @@ impl Pass for GbufferReflected {
     type Params = GbufferReflectedParams;
     const NAME: &'static str = "gbuffer-reflected";
     const ABOUT: &'static str =
-        "what a mirror in place of every smooth surface shows: its guides and its motion";
+        "What a mirror in place of every smooth surface shows: its guides and its motion";
     const README: &'static str = include_str!("README.md");
 
     fn inputs() -> Vec<Port> {

@@ -72,7 +72,7 @@ pub struct Gbuffer {
 impl Pass for Gbuffer {
     type Params = GbufferParams;
     const NAME: &'static str = "gbuffer";
-    const ABOUT: &'static str = "what the camera sees: guides and materials of every visible point";
+    const ABOUT: &'static str = "What the camera sees: guides and materials of every visible point";
     const README: &'static str = include_str!("README.md");
 
     fn inputs() -> Vec<Port> {

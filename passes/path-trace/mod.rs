@@ -60,7 +60,7 @@ pub struct PathTrace {
 impl Pass for PathTrace {
     type Params = PathTraceParams;
     const NAME: &'static str = "path-trace";
-    const ABOUT: &'static str = "path tracing at every pixel, irradiance and specular lobe apart";
+    const ABOUT: &'static str = "Path tracing at every pixel, irradiance and specular lobe apart";
     const README: &'static str = include_str!("README.md");
 
     fn inputs() -> Vec<Port> {

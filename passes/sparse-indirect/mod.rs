@@ -59,7 +59,7 @@ pub struct SparseIndirect {
 impl Pass for SparseIndirect {
     type Params = SparseIndirectParams;
     const NAME: &'static str = "sparse-indirect";
-    const ABOUT: &'static str = "indirect light of few pixels by many paths, on a regular grid";
+    const ABOUT: &'static str = "Indirect light of few pixels by many paths, on a regular grid";
     const README: &'static str = include_str!("README.md");
 
     fn inputs() -> Vec<Port> {
