@@ -44,12 +44,14 @@ fn lane_sums(texel: vec2u, lane: u32) -> Sums {
     var sums = Sums(vec4f(0.0), vec4f(0.0), vec4f(0.0));
     let pixel = traced_pixel(texel, params.spacing, params.grid_phase, textureDimensions(position));
     let in_slice = texel.y >= params.first_row && texel.y - params.first_row < params.slice_rows;
-    if !(in_slice && has_surface(pixel)) {
+    // As in tracing/pixels.wgsl, uniforms alone decide no branch.
+    let samples = select(0u, params.slice_samples, in_slice && has_surface(pixel));
+    if samples == 0u {
         return sums;
     }
     let start = primary_vertex(pixel, params.camera_position);
     let settings = PathSettings(params.bounces, false, false, true, params.sky_is_direct != 0u);
-    for (var i = lane; i < params.slice_samples; i += params.lanes) {
+    for (var i = lane; i < samples; i += params.lanes) {
         var rng = rng_new(pixel, params.first_sample + i, params.frame_index, params.seed ^ params.stream);
         add_sample(&sums, trace_path(start, settings, &rng), start.brdf.albedo);
     }
@@ -72,21 +74,18 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
     if thread == 0u {
         atomicAdd(&rays, atomicLoad(&shared_rays));
     }
-    for (var half = params.lanes / 2u; half > 0u; half /= 2u) {
+    for (var half = THREADS / 2u; half > 0u; half /= 2u) {
         workgroupBarrier();
-        if lane < half {
+        if (lane < half) & (half < params.lanes) {
             shared_irradiance[thread] += shared_irradiance[thread + half];
             shared_specular[thread] += shared_specular[thread + half];
         }
     }
     if inside && lane == 0u {
-        var irradiance = shared_irradiance[thread];
-        var specular = shared_specular[thread];
-        if params.has_sums != 0u {
-            irradiance += textureLoad(irradiance_sums, texel, 0);
-            specular += textureLoad(specular_sums, texel, 0);
-        }
-        textureStore(next_irradiance_sums, texel, irradiance);
-        textureStore(next_specular_sums, texel, specular);
+        let has_sums = params.has_sums != 0u;
+        let irradiance = select(vec4f(0.0), textureLoad(irradiance_sums, texel, 0), has_sums);
+        let specular = select(vec4f(0.0), textureLoad(specular_sums, texel, 0), has_sums);
+        textureStore(next_irradiance_sums, texel, irradiance + shared_irradiance[thread]);
+        textureStore(next_specular_sums, texel, specular + shared_specular[thread]);
     }
 }

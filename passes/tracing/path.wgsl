@@ -66,7 +66,7 @@ fn trace_path(start: Vertex, settings: PathSettings, rng: ptr<function, Rng>) ->
     let bounces = select(0u, settings.max_bounces, settings.indirect);
     let first_sky = select(settings.indirect, settings.direct, settings.sky_is_direct);
 
-    for (var bounce = 0u; bounce <= bounces; bounce++) {
+    for (var bounce = 0u; ; bounce++) {
         let first = bounce == 0u;
         let with_lights = !first || settings.direct;
         let with_punctual = with_lights && (!first || settings.punctual);
@@ -136,7 +136,7 @@ fn trace_path(start: Vertex, settings: PathSettings, rng: ptr<function, Rng>) ->
             sum.irradiance += carried.irradiance * light;
             sum.specular += carried.specular * light;
         }
-        if s.black {
+        if s.black || bounce >= bounces {
             break;
         }
         vertex.brdf = brdf_new(s.normal, s.geo_normal, -next.direction, s.albedo, s.f0, s.f90, s.roughness);

@@ -36,10 +36,10 @@ struct Params {
 @group(0) @binding(14) var<uniform> params: Params;
 
 fn random_for(pixel: vec2u, sample: u32) -> Rng {
-    if params.use_pixel_seed != 0u {
-        return rng_new(vec2u(0u), sample, 0u, textureLoad(pixel_seed, pixel, 0).x);
-    }
-    return rng_new(pixel, sample, params.frame_index, params.seed ^ params.stream);
+    let own = params.use_pixel_seed != 0u;
+    let frame = select(params.frame_index, 0u, own);
+    let seed = select(params.seed ^ params.stream, textureLoad(pixel_seed, pixel, 0).x, own);
+    return rng_new(select(pixel, vec2u(0u), own), sample, frame, seed);
 }
 
 @compute @workgroup_size(8, 8)
@@ -48,14 +48,18 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if any(pixel >= textureDimensions(position)) {
         return;
     }
-    var sums = Sums(vec4f(0.0), vec4f(0.0), vec4f(0.0));
-    if params.has_sums != 0u {
-        sums.irradiance = textureLoad(irradiance_sums, pixel, 0);
-        sums.specular = textureLoad(specular_sums, pixel, 0);
-        sums.squares = textureLoad(square_sums, pixel, 0);
-    }
+    // No branch and no loop here and in trace_path() is decided by uniforms alone: Mesa's llvmpipe (22.3) would compile all of this
+    // anew for each dispatch.
+    let has_sums = params.has_sums != 0u;
+    var sums = Sums(
+        select(vec4f(0.0), textureLoad(irradiance_sums, pixel, 0), has_sums),
+        select(vec4f(0.0), textureLoad(specular_sums, pixel, 0), has_sums),
+        select(vec4f(0.0), textureLoad(square_sums, pixel, 0), has_sums),
+    );
     let in_slice = pixel.y >= params.first_row && pixel.y - params.first_row < params.slice_rows;
-    if in_slice && has_surface(pixel) && textureLoad(pixel_mask, pixel, 0).x != 0u {
+    let is_traced = in_slice && has_surface(pixel) && textureLoad(pixel_mask, pixel, 0).x != 0u;
+    let samples = select(0u, params.slice_samples, is_traced);
+    if samples > 0u {
         let start = primary_vertex(pixel, params.camera_position);
         let settings = PathSettings(
             params.bounces,
@@ -64,7 +68,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             params.with_indirect != 0u,
             params.sky_is_direct != 0u,
         );
-        for (var i = 0u; i < params.slice_samples; i++) {
+        for (var i = 0u; i < samples; i++) {
             var rng = random_for(pixel, params.first_sample + i);
             add_sample(&sums, trace_path(start, settings, &rng), start.brdf.albedo);
         }
