@@ -56,6 +56,7 @@ struct Params {
 const LUMINANCE_NONE: u32 = 2u;
 const LUMINANCE_VARIANCE: u32 = 1u;
 const VARIANCE_MINIMUM: u32 = 1u;
+const VARIANCE_MAXIMUM: u32 = 2u;
 
 struct Filtered {
     value: vec4f,
@@ -82,6 +83,14 @@ fn channels_at(p: vec2i) -> vec3f {
     }
     let v = textureLoad(level_channels, p, 0).rgb;
     return select(vec3f(0.0), max(v, vec3f(0.0)), is_finite3(v));
+}
+
+fn variance_between(v_p: vec3f, v_q: vec3f) -> vec3f {
+    switch params.variance_at {
+        case VARIANCE_MINIMUM: { return min(v_p, v_q); }
+        case VARIANCE_MAXIMUM: { return max(v_p, v_q); }
+        default: { return v_p; }
+    }
 }
 
 fn lights(c: vec4f) -> vec3f {
@@ -214,7 +223,7 @@ fn filtered(p: vec2i, size: vec2i) -> Filtered {
                     * depth_weight(z_p, z_q, gradient, vec2f(d), how)
                     * reflected_weight(reflected, q, vec2f(d), how_reflected);
                 if by_luminance {
-                    let v = select(v_p, min(v_p, v_q), params.variance_at == VARIANCE_MINIMUM);
+                    let v = variance_between(v_p, v_q);
                     let noise = select(sqrt(v), v, params.luminance == LUMINANCE_VARIANCE);
                     let apart = abs(l_p - lights(c_q)) / (params.sigma_luminance * noise + epsilon + 1e-20);
                     w *= exp(-max(apart.x, max(apart.y, apart.z)));

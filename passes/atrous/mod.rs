@@ -50,6 +50,8 @@ scumble::choice! {
         Centre,
         /// The smaller one of both texels.
         Minimum,
+        /// The greater one of both texels: what a texel gives to a darker one it does not keep from it, either.
+        Maximum,
     }
 }
 
