@@ -1,7 +1,8 @@
 // The new estimate and its history filtered alike, over the texels of a window that have both, and how far the first scatters:
 //   X = sum w x / sum w,   H = sum w h / sum w,   e = x - h,   w = gaussian w_normal w_depth
 //   Var = max( (sum w e^2 / sum w - (X - H)^2) / (1 - S2),  sum w Var_h / sum w ),   S2 = sum w^2 / (sum w)^2
-//   sigma = sqrt(S2 Var) + tolerance max(X, H)
+//   sigma = sqrt(S2 Var (1 - S2) / (1 - 3 S2)) + tolerance max(X, H)
+// The last factor is the variance of Student's t with 1 / S2 - 1 degrees of freedom: few texels tell their own noise badly.
 // Var of the differences: what light and shadow are in both estimates is no noise. Var_h, where it is given, is what the history
 // has seen of noise that this frame may have missed.
 // After L. Dundr, "Progressive Spatiotemporal Variance-Based Path Tracing Filtering", 2018, section 6.1 (in words only); weights as
@@ -94,14 +95,15 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         }
     }
     let s2 = squares / max(weight * weight, 1e-30);
-    // One texel alone knows nothing of its noise.
-    if weight == 0.0 || 1.0 - s2 < 1e-3 {
+    // What is worth three texels or less knows nothing of its noise: t has no variance.
+    let few = 1.0 - 3.0 * s2;
+    if weight == 0.0 || few < 1e-3 {
         textureStore(estimate, p, vec4f(0.0, 0.0, -1.0, 0.0));
         return;
     }
     let x = present / weight;
     let h = history / weight;
     let variance = max(max(spread / weight, 0.0) / (1.0 - s2), known / weight);
-    let sigma = sqrt(s2 * variance) + params.tolerance * max(x, h);
+    let sigma = sqrt(s2 * variance * (1.0 - s2) / few) + params.tolerance * max(x, h);
     textureStore(estimate, p, vec4f(x, h, sigma, 0.0));
 }

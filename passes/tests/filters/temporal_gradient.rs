@@ -189,10 +189,11 @@ impl Case {
             return None;
         }
         let squares = sum(&|tap| tap.weight) / (weight * weight);
-        if (1.0 - squares - 1e-3).abs() < 1e-4 {
+        let few = 1.0 - 3.0 * squares;
+        if (few - 1e-3).abs() < 1e-4 {
             return None;
         }
-        if 1.0 - squares < 1e-3 {
+        if few < 1e-3 {
             return Some(None);
         }
         let (x, h) = (
@@ -205,7 +206,7 @@ impl Case {
         Some(Some([
             x,
             h,
-            (squares * variance).sqrt() + rule.tolerance * x.max(h),
+            (squares * variance * (1.0 - squares) / few).sqrt() + rule.tolerance * x.max(h),
         ]))
     }
 
@@ -313,7 +314,7 @@ fn agrees_with_its_twin() {
                     share(&|k| k > 0.0 && k < 1.0),
                     share(&|k| k == 1.0),
                 ];
-                assert!(shares.iter().all(|s| *s > 0.02), "{shares:?}");
+                assert!(shares.iter().all(|s| *s > 0.01), "{shares:?}");
             }
         }
     }
@@ -332,9 +333,20 @@ fn wall(
     value: impl FnMut([u32; 2]) -> f64,
     history: impl FnMut([u32; 2]) -> f64,
 ) -> Vec<f32> {
+    walls(size, |_| 3.0, value, history)
+}
+
+/// The same of walls at some distance each.
+fn walls(
+    size: [u32; 2],
+    distance: impl Fn([u32; 2]) -> f64,
+    value: impl FnMut([u32; 2]) -> f64,
+    history: impl FnMut([u32; 2]) -> f64,
+) -> Vec<f32> {
     let constant = |v: f64| Image::new(size, |_| [v, 0.0, 0.0, 1.0]);
+    let depth = || Image::new(size, |p| [distance(p), 0.0, 0.0, 1.0]);
     let guides = || Guides {
-        view_z: constant(3.0),
+        view_z: depth(),
         normal: constant(0.0),
     };
     let mut random = Random(1);
@@ -345,7 +357,7 @@ fn wall(
         guides: guides(),
         motion: constant(0.0),
         surface_id: constant(1.0),
-        past_view_z: constant(3.0),
+        past_view_z: depth(),
         before: guides(),
         before_id: constant(1.0),
         ..Frame::random(&mut random, size)
@@ -419,6 +431,20 @@ fn noise_accuses_a_history_little_and_a_change_of_a_deviation_always_does() {
     let (dark, bright) = (mean(0.1), mean(3.0));
     assert!(dark > 0.99, "{dark}");
     assert!(bright > 0.6, "{bright}");
+}
+
+#[test]
+fn what_few_texels_find_is_no_evidence() {
+    let size = [64, 64];
+    let mut random = Random(13);
+    // Patches of 2 x 2 texels, none of which has another of its distance within the window.
+    let distance = |[x, y]: [u32; 2]| f64::from(1u32 << (x / 2 % 3 + 3 * (y / 2 % 3)));
+    let noise = |_| -(1.0 - random.range(0.0, 1.0)).ln();
+    let all = walls(size, distance, noise, |_| 1.0);
+    let accused = all.iter().map(|k| f64::from(1.0 - k)).sum::<f64>() / 4096.0;
+    // By the equation over 100,000 such patches: 0.1125. With the deviation that four texels find as it is, 0.220. Over 1024 patches, of
+    // which each gives some 0.2 around its mean, the mean has a deviation of 0.006.
+    assert!((accused - 0.1125).abs() < 0.03, "{accused}");
 }
 
 /// change = |sum w D| / sum w M over the strata around.
