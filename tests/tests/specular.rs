@@ -197,7 +197,7 @@ fn reflections_of_lamps_and_mirrors_keep_their_energy() {
     let energy = filtered.mean().unwrap() / truth.mean().unwrap();
     let error = relmse(&filtered, &truth).unwrap();
     println!("energy {energy:.3}, relMSE {error:.4}");
-    // The filter itself loses 2 to 3 % here; divided by diffuse albedo alone it has 24 % too much.
+    // The filter itself loses 3 % here; divided by diffuse albedo alone it has 24 % too much.
     assert!((energy - 1.0).abs() < 0.05, "energy {energy}");
     assert!(error < 0.1, "relMSE {error}");
 }
