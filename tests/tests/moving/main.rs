@@ -8,7 +8,8 @@
 mod player;
 mod stage;
 
-use player::{Player, Shot, reference};
+use player::{Player, Reference, Shot};
+use scumble::Value;
 use scumble_metrics::{
     FlickerMeter, Image, Mask, Metric, error_map, ghost_energy, lag, luminance, relmse, write_png,
 };
@@ -86,7 +87,11 @@ fn noise(frames: &[Image], warm_up: usize, truth: &Image) -> [f64; 2] {
 fn the_gradient_shortens_the_lag_and_leaves_a_still_picture_alone() {
     let (size, frames) = ([48, 27], [12, 20]);
     let scenes = [unlit(&moving()), moving()];
-    let truth = reference(&scenes[1], TIME, 64, size);
+    let lit = Shot {
+        scene: 1,
+        time: TIME,
+    };
+    let truth = Reference::new(&scenes, size).of(lit, 64);
     let [without, with, samples] = [WITHOUT, WITH, WITH_SAMPLES].map(|graph| {
         let mut player = Player::new(graph, &scenes, size).tap(FILTERED);
         let [on, off] = [true, false].map(|on| Switch::play(&mut player, 1, on, frames));
@@ -138,8 +143,14 @@ fn table_of_motion() {
             "| {name} | graph | relMSE, new surfaces | relMSE, elsewhere | ghost of 8 frames ago |"
         );
         println!("|---|---|---|---|---|");
-        for moves in Moves::EACH {
-            motion(name, &moves.of(&scene), moves);
+        let scenes = Moves::EACH.map(|moves| moves.of(&scene));
+        let mut truth = Reference::new(&scenes, SIZE);
+        let mut players = [WITHOUT, WITH].map(|graph| {
+            let player = Player::new(graph, &scenes, SIZE);
+            (title(graph), player.tap(FILTERED).tap("e/accumulate.age"))
+        });
+        for i in 0..scenes.len() {
+            motion(name, i, &mut truth, &mut players);
         }
     }
 }
@@ -170,22 +181,24 @@ fn save(name: &str, image: &Image) {
 
 fn switches(name: &str, scene: &Scene) {
     let scenes = [unlit(scene), scene.clone()];
-    let truths = scenes
-        .each_ref()
-        .map(|scene| reference(scene, TIME, SPP, SIZE));
+    let mut reference = Reference::new(&scenes, SIZE);
+    let truths = [0, 1].map(|scene| reference.of(Shot { scene, time: TIME }, SPP));
+    let mut players = [WITHOUT, WITH, WITH_SAMPLES].map(|graph| {
+        let player = Player::new(graph, &scenes, SIZE);
+        (title(graph), player.tap(FILTERED))
+    });
     let everywhere = Mask::of(&truths[0], |_| true);
     println!(
         "| {name} | lag of the filter | lag of what is shown | ghost, frames 0, 1, 2, 4, 8 | relMSE before | deviation before |"
     );
     println!("|---|---|---|---|---|---|");
     for (on, way) in [(true, "on"), (false, "off")] {
-        for graph in [WITHOUT, WITH, WITH_SAMPLES] {
-            let mut player = Player::new(graph, &scenes, SIZE).tap(FILTERED);
+        for (graph, player) in &mut players {
             let (before, after) = (16, 24);
             let (mut lags, mut ghosts, mut still) = ([vec![], vec![]], [0.0; 5], [0.0; 2]);
             let [stale, now] = [&truths[usize::from(!on)], &truths[usize::from(on)]];
             for seed in 0..SEEDS {
-                let switch = Switch::play(&mut player, seed, on, [before, after]);
+                let switch = Switch::play(player, seed, on, [before, after]);
                 for (lags, frames) in lags.iter_mut().zip([&switch.filtered, &switch.frames]) {
                     lags.push(switch.lag(frames).map_or("-".to_owned(), |n| n.to_string()));
                 }
@@ -194,7 +207,7 @@ fn switches(name: &str, scene: &Scene) {
                     *ghost +=
                         ghost_energy(frame, now, stale, &everywhere).unwrap() / f64::from(SEEDS);
                     if seed == 0 {
-                        save(&format!("{name}-{way}-{i}-{}", title(graph)), frame);
+                        save(&format!("{name}-{way}-{i}-{graph}"), frame);
                     }
                 }
                 let of_seed = noise(&switch.filtered[..before], 8, stale);
@@ -203,7 +216,6 @@ fn switches(name: &str, scene: &Scene) {
             let ghosts = ghosts.map(|g| format!("{g:.3}")).join(", ");
             let [filtered, shown] = lags.map(|lags| lags.join(", "));
             let [error, deviation] = still;
-            let graph = title(graph);
             println!(
                 "| {way}, `{graph}` | {filtered} | {shown} | {ghosts} | {error:.4} | {deviation:.4} |"
             );
@@ -211,22 +223,18 @@ fn switches(name: &str, scene: &Scene) {
     }
 }
 
-/// Seventeen frames at 30 a second, judged at the last.
-fn motion(name: &str, scene: &Scene, moves: Moves) {
-    let time = |frame: u32| TIME + frame as f32 / 30.0;
-    let shot = |frame| Shot {
-        scene: 0,
-        time: time(frame),
+/// Seventeen frames at 30 a second of one scene, judged at the last.
+fn motion(name: &str, scene: usize, truth: &mut Reference, players: &mut [(&str, Player)]) {
+    let moves = Moves::EACH[scene];
+    let shot = |frame: u32| Shot {
+        scene,
+        time: TIME + frame as f32 / 30.0,
     };
-    let [stale, now] = [8, 16].map(|frame| reference(scene, time(frame), SPP, SIZE));
+    let [stale, now] = [8, 16].map(|frame| truth.of(shot(frame), SPP));
     save(&format!("{name}-{moves:?}-reference"), &now);
     let everywhere = Mask::of(&now, |_| true);
     let mut young = None;
-    for graph in [WITHOUT, WITH] {
-        let scenes = std::slice::from_ref(scene);
-        let mut player = Player::new(graph, scenes, SIZE)
-            .tap(FILTERED)
-            .tap("e/accumulate.age");
+    for (graph, player) in players {
         let (mut inside, mut outside, mut ghost) = (0.0, 0.0, 0.0);
         for seed in 0..SEEDS {
             player.begin(seed);
@@ -241,11 +249,10 @@ fn motion(name: &str, scene: &Scene, moves: Moves) {
             outside += regions.outside.unwrap_or(0.0) / f64::from(SEEDS);
             ghost += ghost_energy(&last, &now, &stale, &everywhere).unwrap() / f64::from(SEEDS);
             if seed == 0 {
-                save(&format!("{name}-{moves:?}-{}", title(graph)), &last);
+                save(&format!("{name}-{moves:?}-{graph}"), &last);
             }
         }
         let share = 100.0 * young.as_ref().map_or(0, Mask::count) as f64 / now.data.len() as f64;
-        let graph = title(graph);
         println!(
             "| {moves:?} | `{graph}` | {inside:.4} ({share:.1} %) | {outside:.4} | {ghost:.3} |"
         );
@@ -257,30 +264,19 @@ fn table_of_thresholds() {
     let Some((_, scene)) = stages().into_iter().next() else {
         return;
     };
-    let scene = Moves::Light.of(&scene);
+    let scenes = [Moves::Light.of(&scene)];
     let shot = |frame: u32| Shot {
         scene: 0,
         time: TIME + frame as f32 / 30.0,
     };
-    let [stale, now] = [8, 16].map(|frame| reference(&scene, shot(frame).time, 48, SIZE));
+    let mut truth = Reference::new(&scenes, SIZE);
+    let [stale, now] = [8, 16].map(|frame| truth.of(shot(frame), 48));
     let everywhere = Mask::of(&now, |_| true);
     println!(
         "| noise_sigmas, change_sigmas, range | ghost | relMSE | relMSE, still | deviation, still |"
     );
     println!("|---|---|---|---|---|");
-    for [low, high, range] in [
-        ["2.5", "5", "1"],
-        ["1.5", "4", "1"],
-        ["1.5", "4", "0"],
-        ["1", "3", "1"],
-    ] {
-        let set = [
-            ("gbuffer.jitter", "Off"),
-            ("e/temporal-gradient.noise_sigmas", low),
-            ("e/temporal-gradient.change_sigmas", high),
-            ("e/temporal-gradient.range", range),
-        ];
-        let mut player = Player::set(WITH, &set, std::slice::from_ref(&scene), SIZE).tap(FILTERED);
+    let judge = |what: &str, player: &mut Player| {
         player.begin(0);
         (0..=16).for_each(|frame| player.render(shot(frame)));
         let last = player.tapped(FILTERED);
@@ -292,8 +288,15 @@ fn table_of_thresholds() {
             player.tapped(FILTERED)
         });
         let [error, deviation] = noise(&still, 8, &now);
-        println!(
-            "| {low}, {high}, {range} | {ghost:.3} | {moved:.4} | {error:.4} | {deviation:.5} |"
-        );
+        println!("| {what} | {ghost:.3} | {moved:.4} | {error:.4} | {deviation:.5} |");
+    };
+    let mut without = Player::new(WITHOUT, &scenes, SIZE).tap(FILTERED);
+    judge("without the pass", &mut without);
+    let mut with = Player::new(WITH, &scenes, SIZE).tap(FILTERED);
+    for (low, high, range) in [(2.5, 5.0, 1), (1.5, 4.0, 1), (1.5, 4.0, 0), (1.0, 3.0, 1)] {
+        with.tune("e/temporal-gradient.noise_sigmas", Value::Float(low));
+        with.tune("e/temporal-gradient.change_sigmas", Value::Float(high));
+        with.tune("e/temporal-gradient.range", Value::Int(range));
+        judge(&format!("{low}, {high}, {range}"), &mut with);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use scumble::{Camera, Edits, FrameInput, Host, readback, resolve};
+use scumble::{Camera, Edits, FrameInput, Host, Value, readback, resolve};
 use scumble_metrics::Image;
 use scumble_scene::{GpuScene, Scene};
 use scumble_tests::{Rig, gpu, graph_file, scene_camera};
@@ -61,6 +61,11 @@ impl Player {
         self
     }
 
+    /// Sets a parameter of a pass from the next frame on.
+    pub fn tune(&mut self, name: &str, value: Value) {
+        self.rig.pipeline.set_param(name, value).unwrap();
+    }
+
     /// Begins anew with other random numbers.
     pub fn begin(&mut self, seed: u32) {
         (self.frame, self.previous, self.seed) = (0, None, seed);
@@ -112,14 +117,22 @@ fn image(texels: &[[f32; 4]], [width, height]: [u32; 2]) -> Image {
     Image::new(width, height, data).unwrap()
 }
 
-/// What should be seen: the mean of `spp` paths per pixel, of another seed than any sequence has.
-pub fn reference(scene: &Scene, time: f32, spp: u32, size: [u32; 2]) -> Image {
-    let set = [("path-trace.samples", "4"), ("gbuffer.jitter", "Off")];
-    let mut player = Player::set("reference.ron", &set, std::slice::from_ref(scene), size);
-    player.begin(0x5eed);
-    let shot = Shot { scene: 0, time };
-    for _ in 1..spp.div_ceil(4) {
-        player.render(shot);
+/// What should be seen.
+pub struct Reference(Player);
+
+impl Reference {
+    /// Of these scenes.
+    pub fn new(scenes: &[Scene], size: [u32; 2]) -> Reference {
+        let set = [("path-trace.samples", "4"), ("gbuffer.jitter", "Off")];
+        Reference(Player::set("reference.ron", &set, scenes, size))
     }
-    player.play(shot)
+
+    /// The mean of `spp` paths per pixel, of another seed than any sequence has.
+    pub fn of(&mut self, shot: Shot, spp: u32) -> Image {
+        self.0.begin(0x5eed);
+        for _ in 1..spp.div_ceil(4) {
+            self.0.render(shot);
+        }
+        self.0.play(shot)
+    }
 }
