@@ -13,7 +13,7 @@ use scumble_metrics::Image;
 use scumble_scene::Scene;
 
 pub use conformance::keeps_the_rules;
-pub use rig::{Rig, gpu, octahedral, scene_camera};
+pub use rig::{Rig, gpu, scene_camera};
 
 /// Renders graph files with every pass of the repository.
 pub struct Renderer {

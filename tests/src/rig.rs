@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use glam::{Mat4, Vec3};
+use scumble::octahedral::decode;
 use scumble::{Camera, Edits, FrameInput, Host, Pipeline, Resolved, readback, resolve_text};
 use scumble_scene::{GpuScene, Scene};
 use wgpu::util::DeviceExt as _;
@@ -112,7 +113,7 @@ impl Rig {
 
     /// Unit vectors of an octahedral output.
     pub fn normals(&self, output: &str) -> Vec<Vec3> {
-        self.words(output).into_iter().map(octahedral).collect()
+        self.words(output).into_iter().map(decode).collect()
     }
 
     /// A texture of words for a graph input.
@@ -151,13 +152,4 @@ impl Rig {
             .update(time)
             .unwrap();
     }
-}
-
-/// The inverse of the octahedral map, 2 x snorm16.
-pub fn octahedral(word: u32) -> Vec3 {
-    let snorm = |bits: u32| (f32::from(bits as u16 as i16) / 32767.0).max(-1.0);
-    let (x, y) = (snorm(word), snorm(word >> 16));
-    let z = 1.0 - x.abs() - y.abs();
-    let fold = (-z).max(0.0);
-    Vec3::new(x - fold.copysign(x), y - fold.copysign(y), z).normalize()
 }

@@ -111,7 +111,7 @@ impl View {
 }
 
 fn octahedral(word: f64) -> DVec3 {
-    scumble_tests::octahedral(word as u32).as_dvec3()
+    scumble::octahedral::decode(word as u32).as_dvec3()
 }
 
 fn texel(x: DVec3, w: f64) -> [f64; 4] {
