@@ -305,10 +305,12 @@ pub fn test(name: &str, gpu: Option<&Gpu>) {
     if let Some(file) = std::env::var_os(CHILD) {
         return child(gpu, Path::new(&file));
     }
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let (file, trace) = (folder.join("predictions"), folder.join("trace.xml"));
-    // A trace of another driver's making would be an old one.
-    let _ = std::fs::remove_file(&trace);
+    // Of its own, as the tests may run twice at once.
+    let folder = tempfile::tempdir().unwrap();
+    let (file, trace) = (
+        folder.path().join("predictions"),
+        folder.path().join("trace.xml"),
+    );
     let status = Command::new(std::env::current_exe().unwrap())
         .args([name, "--exact"])
         .env(CHILD, &file)
