@@ -1,5 +1,6 @@
 //! What the examples find; `docs/errors/README.md` says so to their readers.
 
+use crate::common::storage_layout;
 use framegraph::*;
 
 pub const PARAMS: FrameParams = FrameParams {
@@ -56,19 +57,7 @@ const KERNELS: &str = "
 
 impl Given {
     pub fn new(device: &wgpu::Device) -> Given {
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: None,
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::COMPUTE,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Storage { read_only: false },
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
-        });
+        let layout = storage_layout(device);
         let kernel = |entry: &str, external_groups: &[(u32, &wgpu::BindGroupLayout)]| {
             let desc = KernelDesc {
                 label: entry,

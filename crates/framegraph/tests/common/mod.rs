@@ -105,6 +105,23 @@ pub fn kernel(device: &wgpu::Device, label: &str, wgsl: &str) -> ComputeKernel {
     .unwrap()
 }
 
+/// A group of one storage buffer that compute writes, as an engine binds it.
+pub fn storage_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: None,
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: false },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        }],
+    })
+}
+
 /// The five kernels above.
 pub struct Kernels {
     pub produce: ComputeKernel,

@@ -3,6 +3,7 @@
 
 use framegraph::{ComputeKernel, KernelDesc, RasterKernel, RasterKernelDesc, State};
 
+use crate::common::storage_layout;
 use crate::frame::{Frame, Node};
 use crate::model::Contents;
 
@@ -258,19 +259,7 @@ pub struct Kernels {
 
 impl Kernels {
     pub fn new(device: &wgpu::Device) -> Self {
-        let observed = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: None,
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::COMPUTE,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Storage { read_only: false },
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
-        });
+        let observed = storage_layout(device);
         let make = |wgsl: &str, external_groups: &[(u32, &wgpu::BindGroupLayout)]| {
             let desc = KernelDesc {
                 label: "random",
